@@ -1,0 +1,649 @@
+// Truth for surfaces of revolution about y with a polynomial profile: teardrop and bezier_revolution.
+//
+// Ray and surface become integers O, D, R(t), Y(t) in one object space; l = l' 2^e connects the two lengths.
+// Rays that climb (D_y != 0) are settled by one polynomial in t, horizontal rays by circles whose radius is
+// algebraic. The page experiments/truth.md has the proofs.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <graze/experiments/truth_number.hpp>
+#include <graze/experiments/truth_types.hpp>
+#include <stdexcept>
+
+namespace graze::truth {
+namespace {
+
+using Vector = std::array<Integer, 3>;
+using Matrix = std::array<Vector, 3>;
+using Intervals = std::array<Interval, 3>;
+
+Integer inner(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/// Adds c x^i.
+Polynomial plus(Polynomial p, const Integer& c) {
+  if (p.empty()) p.emplace_back(0);
+  p[0] += c;
+  trim(p);
+  return p;
+}
+
+/// Doubles brought to integers: x_i = integer_i 2^e with one e.
+class CommonExponent {
+ public:
+  void see(double x) {
+    const Dyadic d = exact(x);
+    if (d.m != 0 && (!seen_ || d.e < e_)) e_ = d.e;
+    seen_ = seen_ || d.m != 0;
+  }
+  void see(Vec3 v) {
+    see(v.x);
+    see(v.y);
+    see(v.z);
+  }
+  [[nodiscard]] long e() const { return e_; }
+  [[nodiscard]] Integer operator()(double x) const {
+    const Dyadic d = exact(x);
+    return d.m == 0 ? Integer(0) : shifted(Integer(d.m), d.e - e_);
+  }
+  [[nodiscard]] Vector operator()(Vec3 v) const { return {(*this)(v.x), (*this)(v.y), (*this)(v.z)}; }
+
+ private:
+  bool seen_ = false;
+  long e_ = 0;
+};
+
+/// Polynomials of the profile and what is formed of them, in integers times 2^e.
+struct Profile {
+  Polynomial r, y, r_squared, y_squared;
+  long e = 0;
+
+  [[nodiscard]] Profile times(const Integer& factor) const {
+    const Integer squared = factor * factor;
+    return {scaled(r, factor), scaled(y, factor), scaled(r_squared, squared), scaled(y_squared, squared), e};
+  }
+  [[nodiscard]] Profile at_exponent(long to) const {
+    if (to == e) return *this;
+    Profile p = times(shifted(Integer(1), e - to));
+    p.e = to;
+    return p;
+  }
+};
+
+/// Object to world: x = M X + T, as integers. `adjugate` carries the sign of det, so M^-1 = adjugate / det >
+/// 0.
+struct Transform {
+  Vec3 translate;
+  Matrix adjugate;
+  Integer det;
+  long e = 0;  ///< of M
+  bool identity = true;
+};
+
+Transform prepare(const Placement& placement) {
+  Transform t;
+  t.translate = placement.translate;
+  t.identity = placement.matrix == kIdentity;
+  CommonExponent common;
+  for (const Vec3& row : placement.matrix) {
+    if (!is_finite(row)) throw std::invalid_argument("matrix has an entry that is not finite");
+    common.see(row);
+  }
+  if (!is_finite(placement.translate))
+    throw std::invalid_argument("translate has an entry that is not finite");
+  const Matrix m{common(placement.matrix[0]), common(placement.matrix[1]), common(placement.matrix[2])};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vector& a = m[(i + 1) % 3];
+    const Vector& b = m[(i + 2) % 3];
+    for (std::size_t j = 0; j < 3; ++j)
+      t.adjugate[j][i] = a[(j + 1) % 3] * b[(j + 2) % 3] - a[(j + 2) % 3] * b[(j + 1) % 3];
+  }
+  t.e = common.e();
+  t.det = m[0][0] * t.adjugate[0][0] + m[0][1] * t.adjugate[1][0] + m[0][2] * t.adjugate[2][0];
+  if (sign(t.det) == 0) throw std::invalid_argument("matrix is singular");
+  if (sign(t.det) < 0) {
+    t.det = -t.det;
+    for (auto& row : t.adjugate)
+      for (auto& c : row) c = -c;
+  }
+  return t;
+}
+
+Vector apply(const Matrix& m, const Vector& v) { return {inner(m[0], v), inner(m[1], v), inner(m[2], v)}; }
+
+/// One ray and the profile in the same integers: X = O + l' D, l = l' 2^e.
+struct Question {
+  const Ray* ray = nullptr;
+  Vector o, d;
+  Profile profile;
+  long e = 0;
+};
+
+/// A point of the ray on the surface: l, the profile's parameter, and how the ray passes.
+struct Contact {
+  Number l;
+  Root* root;
+  std::uint32_t multiplicity;
+  bool pole;                 ///< R(t) = 0
+  bool perpendicular;        ///< n . d = 0, proved
+  int derivative_order = 1;  ///< of the first derivative of (R, Y) that is not zero; above 1 at a cusp
+};
+
+class Revolution final : public Surface {
+ public:
+  /// `profile.r` and `profile.y` in integers times 2^e.
+  Revolution(Profile profile, const Placement& placement);
+
+  [[nodiscard]] Answer all(const Ray& ray, const Options& options) const override;
+
+ private:
+  [[nodiscard]] Question ask(const Ray& ray) const;
+  [[nodiscard]] Answer climbing(const Question& q, int digits) const;
+  [[nodiscard]] Answer horizontal(const Question& q, int digits) const;
+  [[nodiscard]] Answer in_plane(const Question& q, int digits) const;
+  [[nodiscard]] Answer through_plane(const Question& q, int digits) const;
+  [[nodiscard]] Answer finish(const Question& q, std::vector<Contact> contacts, int digits) const;
+  [[nodiscard]] Hit hit(const Question& q, Contact& contact, int digits) const;
+  void set_normal(Hit& hit, const Question& q, Contact& contact) const;
+  [[nodiscard]] int pole_sign(const Question& q, Root& root) const;
+  [[nodiscard]] Intervals object_normal(const Question& q, Contact& contact, long bits) const;
+  [[nodiscard]] Intervals unit_normal(const Question& q, Contact& contact, long bits) const;
+
+  Profile profile_;
+  Transform transform_;
+  int orientation_ = 1;
+  bool is_flat_ = false;        ///< Y is constant
+  bool y_is_monotone_ = false;  ///< strictly, on [0, 1]
+};
+
+/// Sign of the integral of R Y' over [0, 1]; 1 when it is zero.
+int area_sign(const Polynomial& r, const Polynomial& y) {
+  const Polynomial integrand = multiply(r, derivative(y));
+  Rational area = 0;
+  for (std::size_t i = 0; i < integrand.size(); ++i) area += Rational(integrand[i], Integer(i + 1));
+  return area < 0 ? -1 : 1;
+}
+
+/// Sufficient: Y' has no root in the open interval (0, 1).
+bool is_monotone(const Polynomial& y) {
+  const Polynomial slope = derivative(y);
+  if (slope.empty()) return false;
+  for (const Root& root : roots_in_unit_interval(slope))
+    if (!root.exact || root.k != 0) return false;
+  return true;
+}
+
+Revolution::Revolution(Profile profile, const Placement& placement)
+    : profile_(std::move(profile)), transform_(prepare(placement)) {
+  trim(profile_.r);
+  trim(profile_.y);
+  if (profile_.r.empty()) throw std::invalid_argument("the profile lies on the axis and makes no surface");
+  if (degree(profile_.r) < 1 && degree(profile_.y) < 1)
+    throw std::invalid_argument("the profile is a single point and makes no surface");
+  profile_.r_squared = multiply(profile_.r, profile_.r);
+  profile_.y_squared = multiply(profile_.y, profile_.y);
+  orientation_ = area_sign(profile_.r, profile_.y);
+  is_flat_ = degree(profile_.y) < 1;
+  y_is_monotone_ = is_monotone(profile_.y);
+  // Object space is stretched by det M and 2^e of M, which turns M^-1 into the adjugate.
+  if (!transform_.identity) {
+    profile_ = profile_.times(transform_.det);
+    profile_.e += transform_.e;
+  }
+}
+
+Question Revolution::ask(const Ray& ray) const {
+  CommonExponent origin;
+  origin.see(ray.o);
+  origin.see(transform_.translate);
+  CommonExponent direction;
+  direction.see(ray.d);
+  const Vector o = origin(ray.o);
+  const Vector t = origin(transform_.translate);
+  const Vector from{o[0] - t[0], o[1] - t[1], o[2] - t[2]};
+  const Vector d = direction(ray.d);
+  const bool moved = sign(from[0]) != 0 || sign(from[1]) != 0 || sign(from[2]) != 0;
+  const long e = moved ? std::min(origin.e(), profile_.e) : profile_.e;
+  Question q;
+  q.ray = &ray;
+  q.o = transform_.identity ? from : apply(transform_.adjugate, from);
+  q.d = transform_.identity ? d : apply(transform_.adjugate, d);
+  if (moved)
+    for (auto& c : q.o) c = shifted(c, origin.e() - e);
+  q.profile = profile_.at_exponent(e);
+  q.e = e - direction.e();
+  return q;
+}
+
+Answer Revolution::all(const Ray& ray, const Options& options) const {
+  Answer answer;
+  if (!is_finite(ray.o) || !is_finite(ray.d)) {
+    answer.status = Status::invalid;
+    answer.why = "the ray has a coordinate that is not finite";
+    return answer;
+  }
+  if (max_abs(ray.d) == 0) {
+    answer.status = Status::invalid;
+    answer.why = "the ray's direction is zero";
+    return answer;
+  }
+  const int digits = std::max(options.digits, 17);
+  const Question q = ask(ray);
+  const bool climbs = sign(q.d[1]) != 0;
+  if (is_flat_) return climbs ? through_plane(q, digits) : in_plane(q, digits);
+  return climbs ? climbing(q, digits) : horizontal(q, digits);
+}
+
+/// The height over the origin, Y(t) - O_y, turned so that it has the sign of l'.
+Polynomial rise(const Question& q) {
+  const Polynomial height = plus(q.profile.y, -q.o[1]);
+  return sign(q.d[1]) >= 0 ? height : scaled(height, -1);
+}
+
+/// E(t) = D_y^2 R^2 - |D_xz (Y - O_y) + D_y O_xz|^2, with c = D_y O_xz - O_y D_xz.
+Polynomial climbing_equation(const Question& q) {
+  const auto& [ox, oy, oz] = q.o;
+  const auto& [dx, dy, dz] = q.d;
+  const Integer cx = dy * ox - oy * dx;
+  const Integer cz = dy * oz - oy * dz;
+  Polynomial e = scaled(q.profile.r_squared, dy * dy);
+  e = add(e, scaled(q.profile.y_squared, -(dx * dx + dz * dz)));
+  e = add(e, scaled(q.profile.y, -2 * (dx * cx + dz * cz)));
+  return plus(std::move(e), -(cx * cx + cz * cz));
+}
+
+bool is_end(const Root& root) { return root.exact && (sign(root.m) == 0 || (root.k == 0 && root.m == 1)); }
+
+/// Sign of E right beside its root at an end of [0, 1], inside the interval.
+int sign_beside_end(const Polynomial& e, const Root& root) {
+  Polynomial p = e;
+  if (sign(root.m) != 0) {
+    // t = 1 - u
+    p = taylor_shift(std::move(p), 1);
+    for (std::size_t i = 1; i < p.size(); i += 2) p[i] = -p[i];
+  }
+  for (const auto& c : p)
+    if (sign(c) != 0) return sign(c);
+  return 0;
+}
+
+/// l of the ray at height Y(t): (Y(t) - O_y) / D_y 2^e. Not zero.
+Number length_at_height(const Question& q, Root& root) {
+  const Polynomial height = rise(q);
+  const Integer dy = abs(q.d[1]);
+  const Integer lipschitz = lipschitz_bound(height);
+  const auto enclose = [height, dy, lipschitz, e = q.e, &root](long bits) {
+    const Interval top = nonzero_image(root, height, lipschitz, bits + 2);
+    return times_power_of_two(top / Interval::of(dy, top.precision()), e);
+  };
+  const auto equals = [height, dy, e = q.e, &root](const Rational& l) {
+    // l 2^-e dy = height(t), cleared of denominators.
+    const Rational wanted = l * rational(dy, e);
+    return vanishes_at(root, plus(scaled(height, denominator(wanted)), -numerator(wanted)));
+  };
+  return {enclose, equals};
+}
+
+Number rational_length(const Rational& l) {
+  return {[l](long bits) { return Interval::of(l, bits + 2); }, [l](const Rational& q) { return q == l; }};
+}
+
+/// l' = (-B + side sqrt(G(t))) / A for a circle met twice; not zero.
+Number length_on_circle(const Integer& a, const Integer& b, const Polynomial& g, int side, long e,
+                        Root& root) {
+  const Integer lipschitz = lipschitz_bound(g);
+  const auto enclose = [=, &root](long bits) {
+    // -B and the square root may cancel: as many bits more as it takes.
+    for (long more = bits + 4;; more *= 2) {
+      const Interval half = sqrt(nonzero_image(root, g, lipschitz, more));
+      const Interval top = (side > 0 ? half : -half) - Interval::of(b, more);
+      if (top.is_relative(bits + 1)) return times_power_of_two(top / Interval::of(a, more), e);
+    }
+  };
+  const auto equals = [=, &root](const Rational& l) {
+    const Rational half = l * rational(a, e) + Rational(b);
+    const Rational squared = half * half;
+    if (half.sign() != side) return false;
+    return vanishes_at(root, plus(scaled(g, denominator(squared)), -numerator(squared)));
+  };
+  return {enclose, equals};
+}
+
+Answer coincident_answer() {
+  Answer answer;
+  answer.status = Status::coincident;
+  answer.why = "the ray runs inside the surface";
+  return answer;
+}
+
+/// Joins contacts at one point: their multiplicities add, the smaller t stays. `same` decides exactly.
+template <class Same>
+void join(std::vector<Contact>& contacts, const Same& same) {
+  // 200 bits part all but the very closest before the exact test.
+  constexpr long kBits = 200;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    for (std::size_t j = i + 1; j < contacts.size();) {
+      const Interval& a = contacts[i].l.enclosure(kBits);
+      const Interval& b = contacts[j].l.enclosure(kBits);
+      if (below(a, b) || below(b, a) || !same(contacts[i], contacts[j])) {
+        ++j;
+        continue;
+      }
+      contacts[i].multiplicity += contacts[j].multiplicity;
+      contacts.erase(contacts.begin() + static_cast<std::ptrdiff_t>(j));
+    }
+  }
+}
+
+/// Ascending l of distinct numbers: narrower enclosures until they are disjoint.
+void sort_by_length(std::vector<Contact>& contacts) {
+  for (long bits = 64;; bits *= 2) {
+    for (Contact& contact : contacts) static_cast<void>(contact.l.enclosure(bits));
+    std::sort(contacts.begin(), contacts.end(), [](const Contact& a, const Contact& b) {
+      return mpfr_less_p(a.l.known().lo(), b.l.known().lo()) != 0;
+    });
+    const auto overlap = std::adjacent_find(
+        contacts.begin(), contacts.end(),
+        [](const Contact& a, const Contact& b) { return !below(a.l.known(), b.l.known()); });
+    if (overlap == contacts.end()) return;
+  }
+}
+
+/// Order of the first derivative of the profile that does not vanish at the root.
+int first_derivative(const Profile& p, Root& root) {
+  Polynomial r = derivative(p.r);
+  Polynomial y = derivative(p.y);
+  int order = 1;
+  for (; sign_at(root, r) == 0 && sign_at(root, y) == 0; ++order) {
+    r = derivative(r);
+    y = derivative(y);
+  }
+  return order;
+}
+
+/// Multiplicity, pole and cusp of a contact; `touches` is a proof of n . d = 0 away from cusps.
+Contact make_contact(const Question& q, Number l, Root& root, std::uint32_t multiplicity, bool touches) {
+  Contact contact{std::move(l), &root, multiplicity, sign_at(root, q.profile.r) == 0, touches};
+  // Only a multiple root can be a cusp: its derivative in t vanishes with those of R and Y.
+  if (root.multiplicity >= 2) contact.derivative_order = first_derivative(q.profile, root);
+  return contact;
+}
+
+Answer Revolution::climbing(const Question& q, int digits) const {
+  const Polynomial e = climbing_equation(q);
+  const Polynomial height = rise(q);
+  if (e.empty()) {
+    if (takes_positive_value(height)) return coincident_answer();
+    return {};
+  }
+  std::vector<Root> roots = roots_in_unit_interval(e);
+  std::vector<Contact> contacts;
+  for (Root& root : roots) {
+    if (sign_at(root, height) <= 0) continue;
+    // E' = -2 D_y R n . D up to a factor, so a multiple root away from poles and cusps is a touch.
+    Contact contact =
+        make_contact(q, length_at_height(q, root), root, root.multiplicity, root.multiplicity >= 2);
+    if (contact.pole || contact.derivative_order > 1) contact.perpendicular = false;
+    if (contact.pole && is_end(root)) contact.multiplicity = sign_beside_end(e, root) > 0 ? 1 : 2;
+    contacts.push_back(std::move(contact));
+  }
+  if (!y_is_monotone_) {
+    join(contacts,
+         [&](const Contact& a, const Contact& b) { return equal_images(*a.root, *b.root, height); });
+  }
+  return finish(q, std::move(contacts), digits);
+}
+
+Answer Revolution::horizontal(const Question& q, int digits) const {
+  const Integer a = q.d[0] * q.d[0] + q.d[2] * q.d[2];
+  const Integer b = q.o[0] * q.d[0] + q.o[2] * q.d[2];
+  const Integer c = q.o[0] * q.o[0] + q.o[2] * q.o[2];
+  // G = A R^2 + B^2 - A C is the discriminant, R^2 - C tells whether the origin is inside the circle.
+  const Polynomial g = plus(scaled(q.profile.r_squared, a), b * b - a * c);
+  const Polynomial outward = plus(q.profile.r_squared, -c);
+  std::vector<Root> roots = roots_in_unit_interval(plus(q.profile.y, -q.o[1]));
+  std::vector<Contact> contacts;
+  for (Root& root : roots) {
+    const int discriminant = sign_at(root, g);
+    if (discriminant < 0) continue;
+    const auto touch = [&](Number l, std::uint32_t multiplicity, bool touches) {
+      contacts.push_back(make_contact(q, std::move(l), root, multiplicity, touches));
+      if (!touches && contacts.back().derivative_order == 1)
+        contacts.back().perpendicular = contacts.back().pole || root.multiplicity >= 2;
+    };
+    if (discriminant == 0) {
+      const bool end_pole = is_end(root) && sign_at(root, q.profile.r) == 0;
+      const std::uint32_t multiplicity = end_pole ? 2 : 2 * root.multiplicity;
+      if (sign(b) < 0) touch(rational_length(Rational(-b, a) * rational(1, -q.e)), multiplicity, true);
+      continue;
+    }
+    const int inside = sign_at(root, outward);
+    if (sign(b) < 0 && inside < 0) touch(length_on_circle(a, b, g, -1, q.e, root), root.multiplicity, false);
+    if (sign(b) < 0 || inside > 0) touch(length_on_circle(a, b, g, 1, q.e, root), root.multiplicity, false);
+  }
+  join(contacts, [&](const Contact& x, const Contact& y) {
+    return x.root != y.root && equal_images(*x.root, *y.root, q.profile.r_squared);
+  });
+  return finish(q, std::move(contacts), digits);
+}
+
+Answer Revolution::through_plane(const Question& q, int digits) const {
+  const Integer height = (q.profile.y.empty() ? Integer(0) : q.profile.y[0]) - q.o[1];
+  if (sign(height) * sign(q.d[1]) <= 0) return {};
+  std::vector<Root> roots = roots_in_unit_interval(climbing_equation(q));
+  if (roots.empty()) return {};
+  Root& root = roots.front();
+  std::vector<Contact> contacts;
+  contacts.push_back(
+      make_contact(q, rational_length(Rational(height, q.d[1]) * rational(1, -q.e)), root, 1, false));
+  contacts.back().derivative_order = first_derivative(q.profile, root);
+  return finish(q, std::move(contacts), digits);
+}
+
+Answer Revolution::in_plane(const Question& q, int digits) const {
+  if ((q.profile.y.empty() ? Integer(0) : q.profile.y[0]) != q.o[1]) return {};
+  const Integer a = q.d[0] * q.d[0] + q.d[2] * q.d[2];
+  const Integer b = q.o[0] * q.d[0] + q.o[2] * q.d[2];
+  const Integer c = q.o[0] * q.o[0] + q.o[2] * q.o[2];
+  // A ray that leaves the axis is nearest at its origin, which is not part of it.
+  if (sign(b) >= 0) {
+    if (takes_positive_value(plus(q.profile.r_squared, -c))) return coincident_answer();
+    return {};
+  }
+  const Polynomial g = plus(scaled(q.profile.r_squared, a), b * b - a * c);
+  if (takes_positive_value(g)) return coincident_answer();
+  std::vector<Root> roots = roots_in_unit_interval(g);
+  if (roots.empty()) return {};
+  std::vector<Contact> contacts;
+  Root& root = roots.front();
+  contacts.push_back(make_contact(q, rational_length(Rational(-b, a) * rational(1, -q.e)), root, 2, true));
+  contacts.back().derivative_order = first_derivative(q.profile, root);
+  return finish(q, std::move(contacts), digits);
+}
+
+Answer Revolution::finish(const Question& q, std::vector<Contact> contacts, int digits) const {
+  sort_by_length(contacts);
+  Answer answer;
+  for (Contact& contact : contacts) answer.hits.push_back(hit(q, contact, digits));
+  return answer;
+}
+
+/// o + l d, the nearest double; a zero is decided exactly.
+double coordinate(double o, double d, Number& l) {
+  if (d == 0) return o;
+  const Rational zero = -rational(o) / rational(d);
+  bool asked = false;
+  for (long bits = 128;; bits *= 2) {
+    const Interval x = Interval::of(o, bits) + l.enclosure(bits) * Interval::of(d, bits);
+    // 60 bits: the double is then within 1/64 ulp of nearest.
+    if (x.is_relative(60)) return x.middle();
+    if (!asked && l.equals(zero)) return 0;
+    asked = true;
+  }
+}
+
+Intervals object_point(const Question& q, Number& l, long bits) {
+  const Interval scaled_l = times_power_of_two(l.enclosure(bits), -q.e);
+  const auto at = [&](std::size_t i) {
+    return Interval::of(q.o[i], bits) + scaled_l * Interval::of(q.d[i], bits);
+  };
+  return {at(0), at(1), at(2)};
+}
+
+/// atan2(z, x); a coordinate that may be zero at this precision counts as zero.
+double angle(const Intervals& x) {
+  const auto part = [](const Interval& a, long& e) {
+    e = a.contains_zero() ? std::numeric_limits<long>::min() : mpfr_get_exp(a.lo());
+  };
+  long ex = 0;
+  long ez = 0;
+  part(x[0], ex);
+  part(x[2], ez);
+  const long top = std::max(ex, ez);
+  if (top == std::numeric_limits<long>::min()) return 0;
+  const auto size = [top](const Interval& a) {
+    return a.contains_zero() ? 0.0 : times_power_of_two(a, -top).middle();
+  };
+  return std::atan2(size(x[2]), size(x[0]));
+}
+
+/// The y component, 1 or -1, of the normal where the profile meets the axis: that of (Y', -R') or, at an end,
+/// of its limit there.
+int Revolution::pole_sign(const Question& q, Root& root) const {
+  int slope = 0;
+  if (is_end(root)) slope = sign_beside_end(q.profile.r, root) * (sign(root.m) == 0 ? 1 : -1);
+  if (slope == 0) slope = sign_at(root, derivative(q.profile.r));
+  return slope == 0 ? orientation_ : -slope * orientation_;
+}
+
+/// sign(R) (Y' X, -R R', Y' Z), oriented: outward, of any length. At a pole (0, +-1, 0).
+Intervals Revolution::object_normal(const Question& q, Contact& contact, long bits) const {
+  const auto whole = [bits](int value) { return Interval::of(Integer(value), bits); };
+  if (contact.pole) return {whole(0), whole(pole_sign(q, *contact.root)), whole(0)};
+  Polynomial dr = q.profile.r;
+  Polynomial dy = q.profile.y;
+  for (int i = 0; i < contact.derivative_order; ++i) {
+    dr = derivative(dr);
+    dy = derivative(dy);
+  }
+  const auto at_root = [&](const Polynomial& p) { return image(*contact.root, p, lipschitz_bound(p), bits); };
+  const Intervals x = object_point(q, contact.l, bits);
+  const Interval r = nonzero_image(*contact.root, q.profile.r, lipschitz_bound(q.profile.r), bits);
+  const Interval side = whole(orientation_ * r.sign());
+  const Interval outward = side * at_root(dy);
+  return {outward * x[0], -(side * r * at_root(dr)), outward * x[2]};
+}
+
+/// M^-T n, of any length.
+Intervals to_world(const Transform& transform, const Intervals& n, long bits) {
+  if (transform.identity) return n;
+  const auto row = [&](std::size_t i) {
+    const Matrix& m = transform.adjugate;
+    return Interval::of(m[0][i], bits) * n[0] + Interval::of(m[1][i], bits) * n[1] +
+           Interval::of(m[2][i], bits) * n[2];
+  };
+  return {row(0), row(1), row(2)};
+}
+
+Interval squared_length(const Intervals& v) { return square(v[0]) + square(v[1]) + square(v[2]); }
+
+/// The unit normal, each component to 2^-60 at least: less than 1/64 ulp of 1.
+Intervals Revolution::unit_normal(const Question& q, Contact& contact, long bits) const {
+  for (;; bits *= 2) {
+    refine(*contact.root, bits);
+    const Intervals n = to_world(transform_, object_normal(q, contact, bits), bits);
+    const Interval squared = squared_length(n);
+    if (squared.contains_zero()) continue;
+    const Interval length = sqrt(squared);
+    const Intervals unit{n[0] / length, n[1] / length, n[2] / length};
+    if (unit[0].is_absolute(60) && unit[1].is_absolute(60) && unit[2].is_absolute(60)) return unit;
+  }
+}
+
+void Revolution::set_normal(Hit& hit, const Question& q, Contact& contact) const {
+  // A cusp's normal may be perpendicular to the ray without proof; 2048 bits are then taken for zero.
+  constexpr long kCuspBits = 2048;
+  for (long bits = 128;; bits *= 2) {
+    const Intervals n = unit_normal(q, contact, bits);
+    hit.normal = {n[0].middle(), n[1].middle(), n[2].middle()};
+    if (contact.perpendicular) return;
+    const Vec3 along = q.ray->d;
+    const Intervals d{Interval::of(along.x, bits), Interval::of(along.y, bits), Interval::of(along.z, bits)};
+    const Interval cosine = (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]) / sqrt(squared_length(d));
+    if (cosine.is_relative(60)) hit.cosine = std::fabs(cosine.middle());
+    if (cosine.is_relative(60) || (contact.derivative_order > 1 && bits >= kCuspBits)) return;
+  }
+}
+
+Hit Revolution::hit(const Question& q, Contact& contact, int digits) const {
+  Hit hit;
+  hit.l = to_real(contact.l, digits);
+  hit.multiplicity = contact.multiplicity;
+  hit.tangent = contact.multiplicity >= 2;
+  const auto& [o, d] = *q.ray;
+  hit.point = {coordinate(o.x, d.x, contact.l), coordinate(o.y, d.y, contact.l),
+               coordinate(o.z, d.z, contact.l)};
+  Number t = number_of(*contact.root);
+  hit.params[0] = nearest(t, 0, 64);
+  hit.params[1] = contact.pole ? 0 : angle(object_point(q, contact.l, 128));
+  set_normal(hit, q, contact);
+  return hit;
+}
+
+/// Power basis of a Bezier polynomial: c_k = C(n,k) sum_j (-1)^(k-j) C(k,j) p_j.
+Polynomial from_bezier(const std::vector<Integer>& points) {
+  std::vector<Integer> difference = points;
+  Polynomial p;
+  Integer binomial = 1;
+  const std::size_t n = points.size() - 1;
+  for (std::size_t k = 0; k <= n; ++k) {
+    p.push_back(binomial * difference[0]);
+    for (std::size_t j = 0; j + k < n; ++j) difference[j] = difference[j + 1] - difference[j];
+    binomial = binomial * (n - k) / (k + 1);
+  }
+  trim(p);
+  return p;
+}
+
+}  // namespace
+
+std::unique_ptr<Surface> make_teardrop(const SurfaceSpec& spec) {
+  constexpr std::array<std::string_view, 1> kNames{"s"};
+  spec.parameters.expect_only(kNames, "teardrop");
+  const double s = spec.parameters.number("s");
+  if (!std::isfinite(s) || s <= 0) throw std::invalid_argument("s must be a positive number");
+  const Dyadic size = exact(s);
+  const Integer m(size.m);
+  Profile profile;
+  profile.r = {0, 6 * m, -3 * m, -3 * m};
+  profile.y = {0, 0, 6 * m};
+  profile.e = size.e;
+  return std::make_unique<Revolution>(std::move(profile), spec.placement);
+}
+
+std::unique_ptr<Surface> make_bezier_revolution(const SurfaceSpec& spec) {
+  constexpr std::array<std::string_view, 1> kNames{"control_points"};
+  spec.parameters.expect_only(kNames, "bezier_revolution");
+  const auto points = spec.parameters.table("control_points", 2);
+  if (points.size() < 2) throw std::invalid_argument("control_points needs at least two points");
+  CommonExponent common;
+  for (const auto& point : points) {
+    if (!std::isfinite(point[0]) || !std::isfinite(point[1]))
+      throw std::invalid_argument("control_points has an entry that is not finite");
+    common.see(point[0]);
+    common.see(point[1]);
+  }
+  std::vector<Integer> r;
+  std::vector<Integer> y;
+  for (const auto& point : points) {
+    r.push_back(common(point[0]));
+    y.push_back(common(point[1]));
+  }
+  Profile profile;
+  profile.r = from_bezier(r);
+  profile.y = from_bezier(y);
+  profile.e = common.e();
+  return std::make_unique<Revolution>(std::move(profile), spec.placement);
+}
+
+}  // namespace graze::truth

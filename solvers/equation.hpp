@@ -1,0 +1,105 @@
+// The four forms in which an equation reaches a solver. An equation is a small view: what it points to
+// (coefficients, the object behind `self`) lives in the block that made it and outlives the call.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string_view>
+
+#include <graze/solvers/math/interval.hpp>
+#include <graze/solvers/math/rng.hpp>
+
+namespace graze {
+
+enum class Form : std::uint8_t { polynomial, scalar, interval, system };
+
+/// "polynomial", "scalar", ...
+std::string_view to_string(Form form);
+
+/// Part of the unknown's range with its own epsilon, for solvers that work to a tolerance.
+/// `end` closes the part (parts follow one another in ascending order from the interval's low end);
+/// `eps` is a width in the unknown's own unit: it scales with the equation, so it is no absolute tolerance.
+struct Region {
+  double end = std::numeric_limits<double>::infinity();
+  double eps = 0;
+};
+
+/// The epsilons of an equation. Where the slope is shallow, |f'| <= shallow (a grazing ray), `grazing_eps`
+/// replaces the part's own. All empty: the solver uses its default, relative to the interval.
+struct Epsilons {
+  std::span<const Region> parts;
+  double grazing_eps = 0;
+  double shallow = 0;
+};
+
+enum class Basis : std::uint8_t { power, bernstein };
+
+/// sum_i c[i] x^i = 0 (power, ascending), or sum_i c[i] B_{i,n}((x - lo)/(hi - lo)) = 0 (Bernstein),
+/// wanted on the closed interval [lo, hi]; lo = -inf, hi = inf asks for all real roots (power only).
+/// `c_error` is empty (the coefficients are exact numbers) or bounds |c[i] - true c[i]|.
+struct PolynomialEquation {
+  std::span<const double> c;
+  std::span<const double> c_error;
+  Basis basis = Basis::power;
+  double lo = -std::numeric_limits<double>::infinity();
+  double hi = std::numeric_limits<double>::infinity();
+  Epsilons epsilons;
+};
+
+/// f with two derivatives at a point, and a bound on the rounding error of f.
+struct Jet {
+  double f = 0;
+  double df = 0;
+  double ddf = 0;
+  double f_error = 0;
+};
+
+/// f(x) = 0 on the closed interval [lo, hi] for a smooth f that may touch zero.
+/// `eval(self, x)` is valid for x in [lo, hi]. `seed` names the equation: a solver that draws random
+/// numbers starts its generator from it, so that the same ray gets the same answer in any order or thread.
+/// `max_roots` > 0: there are no more distinct ones than that; a search may stop there.
+struct ScalarEquation {
+  const void* self = nullptr;
+  Jet (*eval)(const void* self, double x) = nullptr;
+  double lo = 0;
+  double hi = 0;
+  int max_roots = 0;
+  std::uint64_t seed = 0;
+
+  [[nodiscard]] Jet operator()(double x) const { return eval(self, x); }
+};
+
+/// f(x) = 0 on [lo, hi] by inclusion functions.
+struct IntervalEquation {
+  const void* self = nullptr;
+  Interval (*value)(const void* self, Interval x) = nullptr;      ///< encloses f over x
+  Interval (*derivative)(const void* self, Interval x) = nullptr;  ///< encloses f' over x
+  double lo = 0;
+  double hi = 0;
+  Epsilons epsilons;
+};
+
+inline constexpr int kMaxUnknowns = 3;
+using Vector = std::array<double, kMaxUnknowns>;
+using Matrix = std::array<std::array<double, kMaxUnknowns>, kMaxUnknowns>;
+
+/// F(x) = 0 for n unknowns and n equations. x[0] is the unknown by which roots are told apart and sorted.
+/// Bounds hold for every unknown; a period > 0 says that x and x + period are the same value.
+/// `residual_scale` is the size of the terms that cancel in F: |F| <= k eps residual_scale is rounding.
+struct SystemEquation {
+  const void* self = nullptr;
+  int unknowns = 0;
+  void (*eval)(const void* self, const Vector& x, Vector& f, Matrix& jacobian) = nullptr;
+  /// A start value from the surface's own generator (a random slice); false: this draw gives none.
+  bool (*start)(const void* self, Rng& rng, Vector& x) = nullptr;
+  Vector lo{};
+  Vector hi{};
+  Vector period{};
+  double residual_scale = 1;
+  int max_roots = 0;  ///< as in ScalarEquation
+  std::uint64_t seed = 0;
+};
+
+}  // namespace graze

@@ -1,0 +1,37 @@
+// Inclusion by intervals and bisection, with epsilons by region.
+//
+// solves    f(x) = 0 on [lo, hi] by inclusion functions (form interval), or p(x) = 0 (form polynomial, with the
+//           coefficients' error bounds); unbounded polynomials within their root bound
+// returns   ok: the listed roots are proved, each alone in [x - radius, x + radius], and there is no other;
+//           uncertain: an interval could neither be proved empty nor shown to hold exactly one root within its
+//           epsilon (touching roots always end here); the listed roots are proved still;
+//           coincident for the zero polynomial
+// error     radius <= eps / 2 of the root's region (Epsilons), proved; default where the equation brings none:
+//           kDefaultEps, grazing kDefaultGrazingEps, times the largest |x| asked for
+// cost      about 2 evaluations a bisection, log2(length/eps) bisections a root and more near a grazing one;
+//           at most `budget` evaluations; no allocation after warm-up
+// source    Moore, Kearfott, Cloud, "Introduction to Interval Analysis", SIAM 2009, ch. 5 and 8; per-region
+//           epsilons after document 003
+#pragma once
+
+#include <graze/solvers/solver.hpp>
+
+namespace graze {
+
+class IntervalBisection {
+ public:
+  static constexpr double kDefaultEps = 0x1p-44;
+  static constexpr double kDefaultGrazingEps = 0x1p-24;
+
+  static SolverInfo info();
+  explicit IntervalBisection(const Parameters& options);
+  void solve(const IntervalEquation& equation, Roots& roots) const;
+  void solve(const PolynomialEquation& equation, Roots& roots) const;
+
+ private:
+  std::uint32_t budget_;
+};
+
+static_assert(Solver<IntervalBisection>);
+
+}  // namespace graze

@@ -1,0 +1,95 @@
+#include <graze/solvers/newton_slices.hpp>
+
+#include <cmath>
+
+namespace graze {
+namespace {
+
+/// Newton from x until the residual stops shrinking; true if it is a root then.
+bool iterate(const SystemEquation& equation, Vector x, Root& root, Counters& counters) {
+  const auto n = static_cast<std::size_t>(equation.unknowns);
+  Vector f{};
+  Matrix jacobian{};
+  double last = std::numeric_limits<double>::infinity();
+  int worse = 0;
+  for (int step = 0; step < NewtonSlices::kSteps; ++step) {
+    equation.eval(equation.self, x, f, jacobian);
+    ++counters.evaluations;
+    const double residual = slices::max_norm(f, equation.unknowns);
+    // At the rounding level a step that no longer helps ends the iteration; before it, a few may go uphill.
+    worse = residual < last ? 0 : worse + 1;
+    if (slices::is_root(equation, f) && (worse > 0 || residual == 0)) break;
+    if (worse > 8 || !std::isfinite(residual)) return false;
+    last = residual;
+    Vector move{};
+    if (!slices::solve_linear(jacobian, f, equation.unknowns, move)) break;
+    for (std::size_t i = 0; i < n; ++i) x[i] -= move[i];
+    slices::clamp(equation, x);
+    ++counters.iterations;
+  }
+  if (!slices::is_root(equation, f)) return false;
+  root = slices::root_of_system(equation, x, jacobian);
+  return std::isfinite(root.x);
+}
+
+/// The top of f's parabola at x, where a touching root is.
+double vertex(double x, const Jet& jet, const ScalarEquation& equation) {
+  return std::clamp(x - jet.df / jet.ddf, equation.lo, equation.hi);
+}
+
+/// Newton in one unknown, kept in [lo, hi].
+bool iterate(const ScalarEquation& equation, double x, Root& root, Counters& counters) {
+  Jet jet = equation(x);
+  ++counters.evaluations;
+  for (int step = 0; step < NewtonSlices::kSteps; ++step) {
+    if (jet.df == 0 || !std::isfinite(jet.f)) break;
+    const double next = std::clamp(x - jet.f / jet.df, equation.lo, equation.hi);
+    if (next == x) break;
+    const Jet there = equation(next);
+    ++counters.evaluations;
+    ++counters.iterations;
+    if (slices::is_root(jet) && std::fabs(there.f) >= std::fabs(jet.f)) break;
+    x = next;
+    jet = there;
+  }
+  if (!slices::is_root(jet)) return false;
+  root = slices::root_of_scalar(x, jet);
+  if (root.multiplicity == 2 && jet.ddf != 0) root.x = vertex(x, jet, equation);
+  return std::isfinite(root.x);
+}
+
+}  // namespace
+
+SolverInfo NewtonSlices::info() {
+  SolverInfo info;
+  info.summary = "Newton from random slices of the bounding cylinder";
+  info.source = "document 003";
+  info.page = "solvers/newton_slices.md";
+  info.options = {{"tries", "30", "random starts"}, {"seed", "0", "changes every ray's starts"}};
+  info.claims = {.finds_touching_roots = true, .certified = false, .deterministic = false};
+  info.forms = {Form::system, Form::scalar};
+  return info;
+}
+
+NewtonSlices::NewtonSlices(const Parameters& options)
+    : tries_(options.integer("tries", slices::kDefaultTries, 1, 1000000)),
+      seed_(static_cast<std::uint64_t>(options.integer("seed", 0, 0, 2000000000))) {}
+
+void NewtonSlices::solve(const SystemEquation& equation, Roots& roots) const {
+  slices::search(
+      hash_combine(equation.seed, seed_), tries_, equation.max_roots, roots,
+      [&](Rng& rng, Vector& x) { return equation.start(equation.self, rng, x); },
+      [&](const Vector& x, Root& root) { return iterate(equation, x, root, roots.counters); });
+}
+
+void NewtonSlices::solve(const ScalarEquation& equation, Roots& roots) const {
+  slices::search(
+      hash_combine(equation.seed, seed_), tries_, equation.max_roots, roots,
+      [&](Rng& rng, Vector& x) {
+        x[0] = rng.uniform(equation.lo, equation.hi);
+        return true;
+      },
+      [&](const Vector& x, Root& root) { return iterate(equation, x[0], root, roots.counters); });
+}
+
+}  // namespace graze

@@ -1,0 +1,124 @@
+// What the slice solvers share: random starts, acceptance of a converged point, clustering of equal roots.
+// A method brings the local iteration from one start; document 003 suggests about 30 starts.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include <graze/solvers/equation.hpp>
+#include <graze/solvers/math/rng.hpp>
+#include <graze/solvers/roots.hpp>
+
+namespace graze::slices {
+
+inline constexpr double kU = 0x1p-53;  ///< unit roundoff
+/// A point is a root if its residual is no larger than the rounding of about this many operations on terms of
+/// the equation's own size: scale-free, for the size comes with the equation.
+inline constexpr double kNoise = 32;
+inline constexpr int kDefaultTries = 30;  ///< document 003: "about 30 random heights suffice"
+
+/// Solves M z = b for n <= 3 by Gaussian elimination with partial pivoting; false if M is singular.
+inline bool solve_linear(Matrix m, Vector b, int n, Vector& z) {
+  const auto size = static_cast<std::size_t>(n);
+  for (std::size_t k = 0; k < size; ++k) {
+    std::size_t pivot = k;
+    for (std::size_t i = k + 1; i < size; ++i) {
+      if (std::fabs(m[i][k]) > std::fabs(m[pivot][k])) pivot = i;
+    }
+    if (!(std::fabs(m[pivot][k]) > 0)) return false;
+    std::swap(m[k], m[pivot]);
+    std::swap(b[k], b[pivot]);
+    for (std::size_t i = k + 1; i < size; ++i) {
+      const double factor = m[i][k] / m[k][k];
+      for (std::size_t j = k; j < size; ++j) m[i][j] -= factor * m[k][j];
+      b[i] -= factor * b[k];
+    }
+  }
+  for (std::size_t k = size; k-- > 0;) {
+    double sum = b[k];
+    for (std::size_t j = k + 1; j < size; ++j) sum -= m[k][j] * z[j];
+    z[k] = sum / m[k][k];
+  }
+  return true;
+}
+
+/// max |f_i|.
+inline double max_norm(const Vector& f, int n) {
+  double size = 0;
+  for (int i = 0; i < n; ++i) size = std::max(size, std::fabs(f[static_cast<std::size_t>(i)]));
+  return size;
+}
+
+/// What a residual of size `noise` leaves open about x[0]: noise times the first row of |J^-1|, but no more
+/// than sqrt(noise * scale), the width of a touching root whose curvature is of the equation's own size.
+/// Beyond that width the root counts as touching.
+inline Root root_of_system(const SystemEquation& equation, const Vector& x, const Matrix& jacobian) {
+  const double noise = kNoise * kU * equation.residual_scale;
+  const double touching_width = std::sqrt(noise * equation.residual_scale);
+  double row = 0;
+  for (int k = 0; k < equation.unknowns; ++k) {
+    Vector unit{};
+    unit[static_cast<std::size_t>(k)] = 1;
+    Vector column{};
+    const bool solved = solve_linear(jacobian, unit, equation.unknowns, column);
+    row += solved ? std::fabs(column[0]) : std::numeric_limits<double>::infinity();
+  }
+  const bool touching = !(row * noise <= touching_width);
+  return {.x = x[0], .others = {x[1], x[2]}, .radius = touching ? touching_width : row * noise,
+          .multiplicity = touching ? 2U : 1U};
+}
+
+/// Is the residual at x no more than rounding?
+inline bool is_root(const SystemEquation& equation, const Vector& f) {
+  return max_norm(f, equation.unknowns) <= kNoise * kU * equation.residual_scale;
+}
+inline bool is_root(const Jet& jet) { return std::fabs(jet.f) <= 4 * jet.f_error; }
+
+/// The root at a converged x of a scalar equation. It touches where f' is too small to tell two roots apart:
+/// f'^2 <= 2 |f''| noise, when the parabola through the point has its roots within noise of each other.
+inline Root root_of_scalar(double x, const Jet& jet) {
+  const double noise = 4 * jet.f_error;
+  const bool touching = jet.df * jet.df <= 2 * std::fabs(jet.ddf) * noise;
+  const double radius = touching ? 2 * std::sqrt(2 * noise / std::fabs(jet.ddf)) : noise / std::fabs(jet.df);
+  return {.x = x, .others = {}, .radius = radius, .multiplicity = touching ? 2U : 1U};
+}
+
+/// Adds a root unless it is one already found: |x - y| <= r_x + r_y. The sharper of two equals stays.
+inline void add_distinct(Roots& roots, const Root& found) {
+  for (Root& known : roots.list) {
+    if (std::fabs(known.x - found.x) > known.radius + found.radius) continue;
+    if (found.multiplicity > known.multiplicity || found.radius < known.radius) {
+      const std::uint32_t multiplicity = std::max(known.multiplicity, found.multiplicity);
+      if (found.radius <= known.radius) known = found;
+      known.multiplicity = multiplicity;
+    }
+    return;
+  }
+  roots.list.push_back(found);
+}
+
+/// Starts `tries` times from `start(rng)`, iterates by `local`, and collects the distinct roots in ascending
+/// order. Ends early when max_roots are found. `local(x, root)` returns whether it converged to a root.
+template <class Start, class Local>
+void search(std::uint64_t seed, int tries, int max_roots, Roots& roots, const Start& start, const Local& local) {
+  Rng rng(seed);
+  for (int i = 0; i < tries; ++i) {
+    Vector x{};
+    ++roots.counters.starts;
+    Root root;
+    if (start(rng, x) && local(x, root)) add_distinct(roots, root);
+    if (max_roots > 0 && roots.list.size() >= static_cast<std::size_t>(max_roots)) break;
+  }
+  std::sort(roots.list.begin(), roots.list.end(), [](const Root& a, const Root& b) { return a.x < b.x; });
+}
+
+/// Keeps every unknown within its bounds.
+inline void clamp(const SystemEquation& equation, Vector& x) {
+  for (int i = 0; i < equation.unknowns; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    x[k] = std::clamp(x[k], equation.lo[k], equation.hi[k]);
+  }
+}
+
+}  // namespace graze::slices

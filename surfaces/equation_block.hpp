@@ -1,0 +1,128 @@
+// The equations that a batch of rays poses to a solver, and the memory they live in.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <new>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <graze/solvers/equation.hpp>
+#include <graze/solvers/roots.hpp>
+
+namespace graze {
+
+/// Memory for the coefficients and contexts of one block: handed out in order, taken back all at once.
+/// Addresses stay valid until `clear`. After warm-up it does not allocate.
+class Arena {
+ public:
+  template <class T>
+  std::span<T> array(std::size_t count) {
+    static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= alignof(std::max_align_t));
+    auto* const memory = static_cast<T*>(take(count * sizeof(T)));
+    std::uninitialized_value_construct_n(memory, count);
+    return {memory, count};
+  }
+  template <class T>
+  T* make(const T& value) {
+    static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= alignof(std::max_align_t));
+    return new (take(sizeof(T))) T(value);
+  }
+  void clear() {
+    chunk_ = 0;
+    used_ = 0;
+  }
+
+ private:
+  static constexpr std::size_t kChunk = std::size_t{1} << 16;
+
+  void* take(std::size_t bytes) {
+    constexpr std::size_t kAlign = alignof(std::max_align_t);
+    bytes = (bytes + kAlign - 1) / kAlign * kAlign;
+    while (chunk_ < chunks_.size() && used_ + bytes > chunks_[chunk_].size) {
+      ++chunk_;
+      used_ = 0;
+    }
+    if (chunk_ == chunks_.size()) {
+      const std::size_t size = bytes > kChunk ? bytes : kChunk;
+      chunks_.push_back({std::make_unique<std::byte[]>(size), size});
+    }
+    std::byte* const memory = chunks_[chunk_].memory.get() + used_;
+    used_ += bytes;
+    return memory;
+  }
+
+  struct Chunk {
+    std::unique_ptr<std::byte[]> memory;
+    std::size_t size;
+  };
+  std::vector<Chunk> chunks_;
+  std::size_t chunk_ = 0;
+  std::size_t used_ = 0;
+};
+
+/// Which ray an equation belongs to, and which of the formulation's equations it is (its own numbering).
+struct Posed {
+  std::uint32_t ray = 0;
+  std::uint32_t kind = 0;
+};
+
+/// All equations of a block of rays in one form. A ray may pose none (culled), one, or several.
+class EquationBlock {
+ public:
+  /// Empties the block for equations of `form`. With `coefficient_errors` formulations also bound the
+  /// rounding errors of polynomial coefficients, which a certified solver needs and others do not pay for.
+  void reset(Form form, bool coefficient_errors) {
+    form_ = form;
+    coefficient_errors_ = coefficient_errors;
+    arena_.clear();
+    polynomial_.clear();
+    scalar_.clear();
+    interval_.clear();
+    system_.clear();
+    posed_.clear();
+    settled_.clear();
+  }
+  [[nodiscard]] Form form() const { return form_; }
+  [[nodiscard]] bool wants_coefficient_errors() const { return coefficient_errors_; }
+  [[nodiscard]] Arena& arena() { return arena_; }
+
+  /// The ray whose equations come next.
+  void begin_ray(std::uint32_t ray) { ray_ = ray; }
+  void pose(const PolynomialEquation& equation, std::uint32_t kind = 0) { add(polynomial_, equation, kind); }
+  void pose(const ScalarEquation& equation, std::uint32_t kind = 0) { add(scalar_, equation, kind); }
+  void pose(const IntervalEquation& equation, std::uint32_t kind = 0) { add(interval_, equation, kind); }
+  void pose(const SystemEquation& equation, std::uint32_t kind = 0) { add(system_, equation, kind); }
+  /// Answers the current ray without a solver, with a status other than ok.
+  void settle(Status status) { settled_.emplace_back(ray_, status); }
+
+  [[nodiscard]] std::span<const PolynomialEquation> polynomials() const { return polynomial_; }
+  [[nodiscard]] std::span<const ScalarEquation> scalars() const { return scalar_; }
+  [[nodiscard]] std::span<const IntervalEquation> intervals() const { return interval_; }
+  [[nodiscard]] std::span<const SystemEquation> systems() const { return system_; }
+  [[nodiscard]] std::span<const Posed> posed() const { return posed_; }
+  [[nodiscard]] std::span<const std::pair<std::uint32_t, Status>> settled() const { return settled_; }
+
+ private:
+  template <class Equation>
+  void add(std::vector<Equation>& equations, const Equation& equation, std::uint32_t kind) {
+    equations.push_back(equation);
+    posed_.push_back({ray_, kind});
+  }
+
+  Form form_ = Form::polynomial;
+  bool coefficient_errors_ = false;
+  std::uint32_t ray_ = 0;
+  Arena arena_;
+  std::vector<PolynomialEquation> polynomial_;
+  std::vector<ScalarEquation> scalar_;
+  std::vector<IntervalEquation> interval_;
+  std::vector<SystemEquation> system_;
+  std::vector<Posed> posed_;
+  std::vector<std::pair<std::uint32_t, Status>> settled_;
+};
+
+}  // namespace graze

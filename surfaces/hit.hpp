@@ -1,0 +1,64 @@
+// Hits of a batch of rays, as parallel arrays: only what was asked for is computed and stored.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include <graze/solvers/roots.hpp>
+#include <graze/surfaces/ray.hpp>
+
+namespace graze {
+
+/// all hits, the first hit, or whether there is one (shadow rays: at most one hit is reported, any one).
+enum class Query : std::uint8_t { all, first, any };
+
+/// What to compute beside l. What is not wanted costs nothing.
+struct Wanted {
+  bool points = false;
+  bool normals = false;
+  bool params = false;
+};
+
+/// Answers of a batch of rays, in the order of the rays. Hits of ray i: indices [begin(i), end(i)), sorted by l.
+class HitBuffer {
+ public:
+  std::vector<double> l;                         ///< in units of |d|, > 0
+  std::vector<std::uint32_t> surface;            ///< index in the scene
+  std::vector<std::uint32_t> multiplicity;       ///< 2 = touches
+  std::vector<Vec3> point;                       ///< if wanted
+  std::vector<Vec3> normal;                      ///< if wanted: outward, unit
+  std::vector<std::array<double, 2>> params;     ///< if wanted: named by the surface's info
+  std::vector<Status> status;                    ///< one a ray
+  std::vector<Counters> counters;                ///< one a ray
+
+  [[nodiscard]] std::size_t rays() const { return status.size(); }
+  [[nodiscard]] std::size_t begin(std::size_t ray) const { return ray == 0 ? 0 : ends_[ray - 1]; }
+  [[nodiscard]] std::size_t end(std::size_t ray) const { return ends_[ray]; }
+  [[nodiscard]] std::size_t count(std::size_t ray) const { return end(ray) - begin(ray); }
+
+  /// Closes the answer of the next ray: the hits appended since the last call are its hits.
+  void close_ray(Status ray_status, Counters ray_counters) {
+    ends_.push_back(static_cast<std::uint32_t>(l.size()));
+    status.push_back(ray_status);
+    counters.push_back(ray_counters);
+  }
+  /// Empties the buffer and keeps its memory.
+  void clear() {
+    l.clear();
+    surface.clear();
+    multiplicity.clear();
+    point.clear();
+    normal.clear();
+    params.clear();
+    status.clear();
+    counters.clear();
+    ends_.clear();
+  }
+
+ private:
+  std::vector<std::uint32_t> ends_;
+};
+
+}  // namespace graze

@@ -1,0 +1,61 @@
+// A ray in a surface's own frame: object space, unit size, recentred.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include <graze/solvers/math/rng.hpp>
+#include <graze/solvers/math/scaling.hpp>
+#include <graze/surfaces/ray.hpp>
+
+namespace graze {
+
+/// Local frame: lengths in units of 2^unit (the surface's size, rounded down to a power of two), direction
+/// scaled by a power of two so that its largest component lies in [1, 2). Both steps are exact (short of
+/// underflow below 2^-1022 of the surface's size), so scaling a scene by 2^k changes no bit of what follows.
+/// Recentred (MATHS: far origin): x = p + delta d with delta = l - centre, p = fma(centre, d, o) rounded once
+/// a coordinate; centre is a double near the ray's closest approach to the surface, 0 when o is near anyway.
+struct LocalRay {
+  Vec3 o;                  ///< origin
+  Vec3 d;                  ///< direction, max |d_i| in [1, 2)
+  double centre = 0;       ///< l of p
+  Vec3 p;                  ///< the point of the ray at l = centre
+  int l_exponent = 0;      ///< l of the world = l here * 2^l_exponent
+  double lo = 0, hi = 0;   ///< delta range inside the bounds, outward rounded; lo >= -centre (l >= 0)
+
+  /// The point at delta, one rounding a coordinate.
+  [[nodiscard]] Vec3 at(double delta) const {
+    return {std::fma(delta, d.x, p.x), std::fma(delta, d.y, p.y), std::fma(delta, d.z, p.z)};
+  }
+  /// Names the ray: equal for rays that differ by a power-of-two scale of the scene or the direction.
+  [[nodiscard]] std::uint64_t seed() const {
+    std::uint64_t hash = 0;
+    for (const double value : {o.x, o.y, o.z, d.x, d.y, d.z}) hash = hash_combine(hash, value);
+    return hash;
+  }
+};
+
+/// The ray in units of 2^unit, not yet recentred or clipped.
+inline LocalRay to_unit(const Ray& ray, int unit) {
+  const int direction_exponent = exponent_of(max_abs(ray.d));
+  const auto scale = [](Vec3 v, int k) {
+    return Vec3{scale_by_power(v.x, k), scale_by_power(v.y, k), scale_by_power(v.z, k)};
+  };
+  LocalRay local;
+  local.o = scale(ray.o, -unit);
+  local.d = scale(ray.d, -direction_exponent);
+  local.p = local.o;
+  local.l_exponent = unit - direction_exponent;
+  return local;
+}
+
+/// Moves p to the closest approach of the ray to `target`, unless the origin is within `near` of it.
+inline void recentre(LocalRay& ray, Vec3 target, double near) {
+  const Vec3 to_target = target - ray.o;
+  if (max_abs(to_target) <= near) return;
+  ray.centre = dot(to_target, ray.d) / dot(ray.d, ray.d);
+  ray.p = {std::fma(ray.centre, ray.d.x, ray.o.x), std::fma(ray.centre, ray.d.y, ray.o.y),
+           std::fma(ray.centre, ray.d.z, ray.o.z)};
+}
+
+}  // namespace graze

@@ -1,0 +1,32 @@
+// A surface as the user states it: raw doubles, each an exact number. Contestants and truth both start here.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include <graze/solvers/parameters.hpp>
+#include <graze/surfaces/ray.hpp>
+
+namespace graze {
+
+/// Places an object in the world: x_world = matrix x_object + translate.
+struct Placement {
+  Vec3 translate;
+  Mat3 matrix = kIdentity;
+
+  [[nodiscard]] bool is_identity() const { return translate == Vec3{} && matrix == kIdentity; }
+};
+
+struct SurfaceSpec {
+  std::string type;                     ///< registry name, such as "teardrop"
+  Parameters parameters;                ///< such as s = 1
+  Placement placement;
+  std::string name;                     ///< the user's name for it, may be empty
+  std::map<std::string, double> eps;    ///< per-region epsilons, in units of the surface's size
+};
+
+/// Throws std::invalid_argument unless the placement is finite and its matrix is invertible.
+/// Decided exactly: a determinant that only rounds to zero passes, an exactly zero one does not.
+void check_placement(const Placement& placement);
+
+}  // namespace graze

@@ -1,0 +1,233 @@
+// What a surface is: a plain struct with formulations; and its type-erased form.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <graze/surfaces/equation_block.hpp>
+#include <graze/surfaces/local_ray.hpp>
+#include <graze/surfaces/spec.hpp>
+
+namespace graze {
+
+/// A hit in the surface's own frame. `t` is the profile parameter (or the surface's first parameter).
+struct LocalHit {
+  std::uint32_t ray = 0;
+  std::uint32_t multiplicity = 1;
+  double delta = 0;  ///< l - centre of its LocalRay
+  double t = 0;
+  bool behind_or_ahead = false;  ///< a certified root whose enclosure does not tell the sign of l
+};
+
+/// Normal and parameters of a hit in object space.
+struct LocalPoint {
+  Vec3 normal;  ///< outward, unit
+  std::array<double, 2> params{};
+};
+
+struct FormulationInfo {
+  std::string_view name;     ///< "along_ray"
+  std::string_view summary;  ///< the equation in one line
+  std::string_view source;   ///< citation
+  std::vector<Form> forms;   ///< forms it offers
+};
+
+struct SurfaceInfo {
+  std::string_view summary;
+  std::string_view source;
+  std::string_view page;  ///< path of the page beside its code
+  std::vector<std::string_view> parameters;
+  std::array<std::string_view, 2> params;  ///< names of a hit's parameters
+  std::vector<std::string_view> regions;   ///< names the scene's eps table may set
+};
+
+/// A formulation is a plain struct built from its surface that poses the equations of one ray and turns
+/// their roots back into hits:
+///   static FormulationInfo info();
+///   void pose(const LocalRay&, EquationBlock&) const;      // in block.form()
+///   void lift(const LocalRay&, const Posed&, const Root&, std::vector<LocalHit>&) const;
+/// `lift` appends hits with their delta; those with l <= 0 are dropped by the caller.
+template <class F, class S>
+concept Formulation = std::constructible_from<F, const S&> &&
+    requires(const F& f, const LocalRay& ray, EquationBlock& block, const Posed& posed, const Root& root,
+             std::vector<LocalHit>& hits) {
+  { F::info() } -> std::same_as<FormulationInfo>;
+  { f.pose(ray, block) } -> std::same_as<void>;
+  { f.lift(ray, posed, root, hits) } -> std::same_as<void>;
+};
+
+/// A surface is a plain struct:
+///   using Formulations = std::tuple<...>;                  // preferred ones first
+///   static SurfaceInfo info();
+///   explicit S(const SurfaceSpec&);                        // throws std::invalid_argument
+///   int unit() const;                                      // its size is 2^unit up to a factor of 2
+///   double size() const;                                   // L: its length scale
+///   bool clip(LocalRay&) const;                            // recentre, bound delta; false: certainly no hit
+///   LocalPoint describe(const LocalRay&, const LocalHit&) const;
+template <class S>
+concept SurfaceType = std::constructible_from<S, const SurfaceSpec&> &&
+    requires(const S& surface, LocalRay& ray, const LocalRay& clipped, const LocalHit& hit) {
+  typename S::Formulations;
+  { S::info() } -> std::same_as<SurfaceInfo>;
+  { surface.unit() } -> std::same_as<int>;
+  { surface.size() } -> std::same_as<double>;
+  { surface.clip(ray) } -> std::same_as<bool>;
+  { surface.describe(clipped, hit) } -> std::same_as<LocalPoint>;
+};
+
+/// A surface with its type erased: one virtual call a batch.
+class AnySurface {
+ public:
+  virtual ~AnySurface() = default;
+  [[nodiscard]] virtual std::span<const FormulationInfo> formulations() const = 0;
+  [[nodiscard]] virtual double size() const = 0;
+  /// Rays into the surface's frame. rays[i] of the object space becomes local[i]; inside[i] says whether it
+  /// can hit at all.
+  virtual void localize(std::span<const Ray> rays, std::span<LocalRay> local, std::span<bool> inside) const = 0;
+  /// Poses the equations of every ray that is `inside`, in the block's form.
+  virtual void pose(std::size_t formulation, std::span<const LocalRay> rays, std::span<const bool> inside,
+                    EquationBlock& block) const = 0;
+  /// Hits of roots[i], the answer to the block's equation i.
+  virtual void lift(std::size_t formulation, std::span<const LocalRay> rays, const EquationBlock& block,
+                    std::span<const Roots> roots, std::vector<LocalHit>& hits) const = 0;
+  /// Normals and parameters of hits, in object space.
+  virtual void describe(std::span<const LocalRay> rays, std::span<const LocalHit> hits,
+                        std::vector<LocalPoint>& points) const = 0;
+};
+
+template <SurfaceType S>
+class SurfaceModel final : public AnySurface {
+ public:
+  explicit SurfaceModel(const SurfaceSpec& spec)
+      : surface_(spec), formulations_(make(std::make_index_sequence<kCount>{})) {
+    std::apply([this](const auto&... f) { (infos_.push_back(f.info()), ...); }, formulations_);
+  }
+
+  [[nodiscard]] std::span<const FormulationInfo> formulations() const override { return infos_; }
+  [[nodiscard]] double size() const override { return surface_.size(); }
+
+  void localize(std::span<const Ray> rays, std::span<LocalRay> local, std::span<bool> inside) const override {
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      local[i] = to_unit(rays[i], surface_.unit());
+      inside[i] = surface_.clip(local[i]);
+    }
+  }
+
+  void pose(std::size_t formulation, std::span<const LocalRay> rays, std::span<const bool> inside,
+            EquationBlock& block) const override {
+    with(formulation, [&](const auto& f) {
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        block.begin_ray(static_cast<std::uint32_t>(i));
+        if (inside[i]) f.pose(rays[i], block);
+      }
+    });
+  }
+
+  void lift(std::size_t formulation, std::span<const LocalRay> rays, const EquationBlock& block,
+            std::span<const Roots> roots, std::vector<LocalHit>& hits) const override {
+    with(formulation, [&](const auto& f) {
+      for (std::size_t i = 0; i < roots.size(); ++i) {
+        const Posed posed = block.posed()[i];
+        for (const Root& root : roots[i].list) {
+          const std::size_t first = hits.size();
+          f.lift(rays[posed.ray], posed, root, hits);
+          for (std::size_t h = first; h < hits.size(); ++h) {
+            hits[h].ray = posed.ray;
+            if (root.certified) hits[h].behind_or_ahead = near_origin(f, rays[posed.ray], posed, root, hits[h]);
+          }
+        }
+      }
+    });
+  }
+
+  void describe(std::span<const LocalRay> rays, std::span<const LocalHit> hits,
+                std::vector<LocalPoint>& points) const override {
+    for (const LocalHit& hit : hits) points.push_back(surface_.describe(rays[hit.ray], hit));
+  }
+
+ private:
+  using Tuple = typename S::Formulations;
+  static constexpr std::size_t kCount = std::tuple_size_v<Tuple>;
+
+  template <std::size_t... I>
+  Tuple make(std::index_sequence<I...>) const {
+    static_assert((Formulation<std::tuple_element_t<I, Tuple>, S> && ...));
+    return Tuple(std::tuple_element_t<I, Tuple>(surface_)...);
+  }
+  /// Calls `function` with formulation number `index`.
+  template <class Function>
+  void with(std::size_t index, Function&& function) const {
+    bool found = false;
+    const auto try_one = [&](std::size_t i, const auto& f) {
+      if (i == index) function(f);
+      found = found || i == index;
+    };
+    std::apply([&](const auto&... f) { std::size_t i = 0; (try_one(i++, f), ...); }, formulations_);
+    if (!found) throw std::logic_error("graze: formulation index out of range");
+  }
+
+  /// Could the hit lie on either side of the ray's origin? Lifts the ends of the root's enclosure and allows
+  /// for the rounding of the lift, about 16 operations on terms of size |centre| and 1 (local units).
+  template <class F>
+  static bool near_origin(const F& f, const LocalRay& ray, const Posed& posed, const Root& root,
+                          const LocalHit& hit) {
+    const double noise = 0x1p-48 * (1 + std::fabs(ray.centre));
+    const double l = ray.centre + hit.delta;
+    if (std::fabs(l) > 0x1p-8 * (1 + std::fabs(ray.centre))) return false;  // far from it: no need to look
+    double lo = l, hi = l;
+    for (const double end : {-root.radius, root.radius}) {
+      Root moved = root;
+      moved.x += end;
+      std::vector<LocalHit> lifted;
+      f.lift(ray, posed, moved, lifted);
+      for (const LocalHit& other : lifted) {
+        lo = std::min(lo, ray.centre + other.delta);
+        hi = std::max(hi, ray.centre + other.delta);
+      }
+    }
+    return lo <= noise && hi >= -noise;
+  }
+
+  S surface_;
+  Tuple formulations_;
+  std::vector<FormulationInfo> infos_;
+};
+
+/// Throws std::invalid_argument for parameters or eps regions that the surface does not have, eps values
+/// that are not positive, and a placement that cannot be inverted.
+void check_names(const SurfaceSpec& spec, std::string_view type, const SurfaceInfo& info);
+
+/// One line of the generated registry.
+struct SurfaceEntry {
+  std::string_view name;
+  SurfaceInfo info;
+  std::vector<FormulationInfo> formulations;
+  std::function<std::unique_ptr<AnySurface>(const SurfaceSpec&)> make;
+};
+
+/// The entry of surface S under `name`. `make` checks names and placement, then builds S; it throws
+/// std::invalid_argument with a sentence that names the parameter.
+template <SurfaceType S>
+SurfaceEntry surface_entry(std::string_view name) {
+  SurfaceEntry entry{name, S::info(), {}, {}};
+  []<class... F>(std::tuple<F...>*, std::vector<FormulationInfo>& list) {
+    (list.push_back(F::info()), ...);
+  }(static_cast<typename S::Formulations*>(nullptr), entry.formulations);
+  entry.make = [name](const SurfaceSpec& spec) -> std::unique_ptr<AnySurface> {
+    check_names(spec, name, S::info());
+    return std::make_unique<SurfaceModel<S>>(spec);
+  };
+  return entry;
+}
+
+}  // namespace graze

@@ -1,0 +1,336 @@
+#include <graze/surfaces/teardrop.hpp>
+
+#include <cmath>
+
+namespace graze {
+namespace {
+
+constexpr double kU = 0x1p-53;  // unit roundoff
+
+// Kinds of equation that the two sextic formulations pose.
+enum Kind : std::uint32_t { kSextic, kAxis, kCircle };
+
+std::array<Region, TeardropRegions::kParts> regions_in_t(const TeardropRegions& regions) {
+  std::array<Region, TeardropRegions::kParts> parts;
+  for (std::size_t i = 0; i < parts.size(); ++i) parts[i] = {TeardropRegions::kEnds[i], regions.eps[i]};
+  return parts;
+}
+
+/// The widest-circle parameter (sqrt 7 - 1)/3 = 0.548583770354863530... lies inside.
+constexpr Interval kEquator{0.5485837703548635, 0.5485837703548636};
+
+// ---------------------------------------------------------------------------------------- the sextics in t
+
+/// R(t)^2 = m^2 (9 t^6 + 18 t^5 - 27 t^4 - 36 t^3 + 36 t^2), minus |a t^2 + b|^2 for plane vectors a and b,
+/// ascending; R^2 is weighted by `weight`.
+template <class T>
+std::array<T, 7> sextic_coefficients(T m, T weight, T ax, T az, T bx, T bz) {
+  const T r2 = sqr(m) * weight;
+  const T aa = sqr(ax) + sqr(az);
+  const T ab = ax * bx + az * bz;
+  const T bb = sqr(bx) + sqr(bz);
+  return {-bb, T{}, 36.0 * r2 - 2.0 * ab, -36.0 * r2, -27.0 * r2 - aa, 18.0 * r2, 9.0 * r2};
+}
+
+/// 3 m t^3 + 3 m t^2 - 6 m t + u, the axis case of document 000 (roots where R(t) = u).
+template <class T>
+std::array<T, 4> axis_coefficients(T m, T u) {
+  return {u, -6.0 * m, 3.0 * m, 3.0 * m};
+}
+
+/// R at the height y of a horizontal ray, from t = sqrt(y / 6m) and the factored profile.
+template <class T>
+T radius_at_height(T m, T y) {
+  using std::sqrt;
+  const T t = sqrt(y / (6.0 * m));
+  const T one_minus_t = (6.0 * m - y) / (6.0 * m * (1.0 + t));
+  return 3.0 * m * t * one_minus_t * (2.0 + t);
+}
+
+/// The special cases that both sextics share: true if the ray was one of them. `o` is the point from which l
+/// is counted (origin or p), `shift` = l of that point minus centre.
+bool pose_special_case(const TeardropProfile& profile, const LocalRay& ray, Vec3 o, double shift,
+                       const Epsilons& epsilons, EquationBlock& block) {
+  if (ray.d.y == 0) {
+    pose_polynomial(block, kCircle, Basis::power, ray.lo - shift, ray.hi - shift, {}, [&](auto number) {
+      using T = decltype(number);
+      const T radius = radius_at_height<T>(exactly<T>(profile.m), exactly<T>(ray.o.y));
+      return revolution::circle_coefficients<T>(exactly<T>(o.x), exactly<T>(o.z), exactly<T>(ray.d.x), exactly<T>(ray.d.z), radius);
+    });
+    return true;
+  }
+  if (ray.d.x == 0 && ray.d.z == 0) {
+    pose_polynomial(block, kAxis, Basis::power, 0, 1, epsilons, [&](auto number) {
+      using T = decltype(number);
+      using std::sqrt;
+      return axis_coefficients<T>(exactly<T>(profile.m), sqrt(sqr(exactly<T>(o.x)) + sqr(exactly<T>(o.z))));
+    });
+    return true;
+  }
+  return false;
+}
+
+void lift_from_t(const TeardropProfile& profile, const LocalRay& ray, double y, double shift, const Posed& posed,
+                 const Root& root, std::vector<LocalHit>& hits) {
+  LocalHit hit{.multiplicity = root.multiplicity};
+  if (posed.kind == kCircle) {
+    hit.delta = root.x + shift;
+    hit.t = profile.t_of_height(ray.o.y, 0);
+  } else {
+    hit.t = root.x;
+    hit.delta = (6 * profile.m * root.x * root.x - y) / ray.d.y + shift;
+    // In t the bottom pole counts twice what it counts in l, for y = 6 m t^2.
+    if (root.x == 0 && posed.kind == kSextic) hit.multiplicity = std::max(1U, root.multiplicity / 2);
+  }
+  hits.push_back(hit);
+}
+
+// ------------------------------------------------------------------------------------------- F along the ray
+
+/// One ray's F(delta) = R^2 - |p_xz|^2, for points and for intervals.
+struct AlongRay {
+  double m;
+  double top;        ///< 6 m rounded
+  double top_tail;   ///< 6 m - top
+  LocalRay ray;
+  Interval px, py, pz;  ///< the exact point at delta = 0
+  Interval slope;       ///< (p . d)_xz
+  Interval curvature;   ///< |d_xz|^2
+
+  AlongRay(const TeardropProfile& profile, const LocalRay& local)
+      : m(profile.m), top(6 * m), top_tail(std::fma(6.0, m, -top)), ray(local) {}
+
+  void prepare_intervals() {
+    const auto exact = [&](double o, double d) { return point(o) + point(ray.centre) * point(d); };
+    px = exact(ray.o.x, ray.d.x);
+    py = exact(ray.o.y, ray.d.y);
+    pz = exact(ray.o.z, ray.d.z);
+    slope = px * point(ray.d.x) + pz * point(ray.d.z);
+    curvature = sqr(point(ray.d.x)) + sqr(point(ray.d.z));
+  }
+
+  static Jet eval(const void* self, double delta) { return static_cast<const AlongRay*>(self)->jet(delta); }
+  static Interval value(const void* self, Interval x) { return static_cast<const AlongRay*>(self)->f(x); }
+  static Interval derivative(const void* self, Interval x) { return static_cast<const AlongRay*>(self)->df(x); }
+
+  /// F, F', F''. With t = sqrt(y / 6m): (R^2)' = 3/2 m (1-t)(2+t)(2-2t-3t^2), and
+  /// (R^2)'' = -1/4 ((1 + 1/2t)(2-2t-3t^2) + (1-t)(2+t)(3 + 1/t)) in y.
+  [[nodiscard]] Jet jet(double delta) const {
+    const Vec3 p = ray.at(delta);
+    const double y = std::clamp(p.y, 0.0, top);
+    const double t = std::sqrt(y / top);
+    const double below_top = std::max(0.0, (top - y) + top_tail) / top;
+    const double one_minus_t = below_top / (1 + t);
+    const double r = 3 * m * t * one_minus_t * (2 + t);
+    const double turn = 2 - t * (2 + 3 * t);
+    const double distance2 = p.x * p.x + p.z * p.z;
+    const double radial = p.x * ray.d.x + p.z * ray.d.z;
+    Jet jet;
+    jet.f = r * r - distance2;
+    jet.df = 1.5 * m * one_minus_t * (2 + t) * turn * ray.d.y - 2 * radial;
+    const double safe_t = std::max(t, 0x1p-200);  // F'' is infinite at the bottom pole; keep it a number
+    const double bend = -0.25 * ((1 + 0.5 / safe_t) * turn + one_minus_t * (2 + t) * (3 + 1 / safe_t));
+    jet.ddf = bend * ray.d.y * ray.d.y - 2 * (ray.d.x * ray.d.x + ray.d.z * ray.d.z);
+    // y carries u |y|, so t carries 3u t and R at most 16 u m t (R <= 6 m t, |dR/dt| <= 6m; 9 operations).
+    const double r_error = 16 * kU * m * t;
+    jet.f_error = (2 * r + r_error) * r_error + 8 * kU * distance2;
+    return jet;
+  }
+
+  /// y over x, cut to the slab, and t = sqrt(y / 6m).
+  [[nodiscard]] Interval height(Interval x) const {
+    const Interval y = py + point(ray.d.y) * x;
+    const double highest = add_up(top, std::max(0.0, top_tail));
+    return {std::clamp(y.lo, 0.0, highest), std::clamp(y.hi, 0.0, highest)};
+  }
+  [[nodiscard]] Interval parameter(double y) const {
+    const Interval v = point(y) / (point(6) * point(m));
+    return sqrt(Interval{v.lo, std::min(1.0, v.hi)});
+  }
+  /// (1 - t)(2 + t) without cancellation: 1 - t = (6m - y) / (6m (1 + t)).
+  [[nodiscard]] Interval taper(double y, Interval t) const {
+    const Interval six_m = point(6) * point(m);
+    const Interval below = six_m - point(y);
+    return Interval{std::max(0.0, below.lo), std::max(0.0, below.hi)} / (six_m * (point(1) + t)) * (point(2) + t);
+  }
+  [[nodiscard]] Interval radius(double y) const {
+    const Interval t = parameter(y);
+    return point(3) * point(m) * t * taper(y, t);
+  }
+  /// 2 - 2t - 3t^2.
+  [[nodiscard]] static Interval turn(Interval t) { return point(2) - t * (point(2) + point(3) * t); }
+
+  /// R is unimodal in y: its range comes from the ends, and from the equator if that lies between.
+  [[nodiscard]] Interval f(Interval x) const {
+    const Interval y = height(x);
+    const Interval at_lo = radius(y.lo);
+    const Interval at_hi = radius(y.hi);
+    Interval r = hull(at_lo, at_hi);
+    if (parameter(y.lo).lo <= kEquator.hi && parameter(y.hi).hi >= kEquator.lo) {
+      r.hi = mul_up(1.8933909283226967, m);  // (14 sqrt 7 - 20)/9 rounded up
+    }
+    return sqr(r) - sqr(px + point(ray.d.x) * x) - sqr(pz + point(ray.d.z) * x);
+  }
+  /// Both factors of (R^2)' fall with t, so each has its range at the ends.
+  [[nodiscard]] Interval df(Interval x) const {
+    const Interval y = height(x);
+    const Interval t_lo = parameter(y.lo);
+    const Interval t_hi = parameter(y.hi);
+    const Interval tapering = hull(taper(y.lo, t_lo), taper(y.hi, t_hi));
+    const Interval turning = hull(turn(t_lo), turn(t_hi));
+    return point(1.5) * point(m) * tapering * turning * point(ray.d.y) - point(2) * (slope + curvature * x);
+  }
+};
+
+/// The regions' ends as deltas of this ray, ascending.
+Epsilons epsilons_along(const TeardropRegions& regions, const TeardropProfile& profile, const LocalRay& ray,
+                        Arena& arena) {
+  const double unit = profile.m / norm(ray.d);
+  const std::span<Region> parts = arena.array<Region>(TeardropRegions::kParts);
+  const bool upward = ray.d.y >= 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const std::size_t part = upward ? i : parts.size() - 1 - i;
+    parts[i].eps = regions.eps[part] * unit;
+    if (i + 1 == parts.size()) break;  // the last part has no end
+    const double t = TeardropRegions::kEnds[upward ? part : part - 1];
+    const double rise = 6 * profile.m * t * t - ray.p.y;
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    parts[i].end = ray.d.y != 0 ? rise / ray.d.y : rise >= 0 ? kInfinity : -kInfinity;
+  }
+  // |F'| = 2 R |d| |grad| cos: below 2^-9 of its size on the body the ray grazes.
+  return {parts, regions.eps[TeardropRegions::kParts] * unit, 0x1p-9 * profile.m * norm(ray.d)};
+}
+
+}  // namespace
+
+// ------------------------------------------------------------------------------------------------- sextic
+
+TeardropSextic::TeardropSextic(const Teardrop& surface)
+    : profile(surface.profile), regions(regions_in_t(surface.regions)), grazing_eps(surface.regions.eps[5]) {}
+
+FormulationInfo TeardropSextic::info() {
+  return {"sextic", "R(t)^2 = |A t^2 + B|^2 in t, divided by q_y, about the ray's own origin",
+          "document 000; t in [0,1] closed", {Form::polynomial}};
+}
+
+void TeardropSextic::pose(const LocalRay& ray, EquationBlock& block) const {
+  if (!revolution::is_usable(ray)) return block.settle(Status::failed);
+  const Epsilons epsilons{regions, grazing_eps, 0};
+  if (pose_special_case(profile, ray, ray.o, -ray.centre, epsilons, block)) return;
+  pose_polynomial(block, kSextic, Basis::power, 0, 1, epsilons, [&](auto number) {
+    using T = decltype(number);
+    const T m = exactly<T>(profile.m);
+    const T rx = exactly<T>(ray.o.x), ry = exactly<T>(ray.o.y), rz = exactly<T>(ray.o.z);
+    const T qx = exactly<T>(ray.d.x), qy = exactly<T>(ray.d.y), qz = exactly<T>(ray.d.z);
+    const T a = 6.0 * m * qx / qy, b = rx - ry * qx / qy;
+    const T c = 6.0 * m * qz / qy, d = rz - ry * qz / qy;
+    return sextic_coefficients<T>(m, exactly<T>(1.0), a, c, b, d);
+  });
+}
+
+void TeardropSextic::lift(const LocalRay& ray, const Posed& posed, const Root& root,
+                          std::vector<LocalHit>& hits) const {
+  lift_from_t(profile, ray, ray.o.y, -ray.centre, posed, root, hits);
+}
+
+// -------------------------------------------------------------------------------------- sextic_homogeneous
+
+TeardropSexticHomogeneous::TeardropSexticHomogeneous(const Teardrop& surface)
+    : profile(surface.profile), regions(regions_in_t(surface.regions)), grazing_eps(surface.regions.eps[5]) {}
+
+FormulationInfo TeardropSexticHomogeneous::info() {
+  return {"sextic_homogeneous", "q_y^2 R(t)^2 = |q_xz (Y(t) - p_y) + q_y p_xz|^2 in t, recentred",
+          "document 000 multiplied by q_y^2; recentred about the closest approach", {Form::polynomial}};
+}
+
+void TeardropSexticHomogeneous::pose(const LocalRay& ray, EquationBlock& block) const {
+  if (!revolution::is_usable(ray)) return block.settle(Status::failed);
+  const Epsilons epsilons{regions, grazing_eps, 0};
+  if (pose_special_case(profile, ray, ray.p, 0, epsilons, block)) return;
+  pose_polynomial(block, kSextic, Basis::power, 0, 1, epsilons, [&](auto number) {
+    using T = decltype(number);
+    const T m = exactly<T>(profile.m);
+    const T qx = exactly<T>(ray.d.x), qy = exactly<T>(ray.d.y), qz = exactly<T>(ray.d.z);
+    const auto [px, py, pz] = recentred_point<T>(ray);
+    return sextic_coefficients<T>(m, sqr(qy), 6.0 * m * qx, 6.0 * m * qz, qy * px - qx * py, qy * pz - qz * py);
+  });
+}
+
+void TeardropSexticHomogeneous::lift(const LocalRay& ray, const Posed& posed, const Root& root,
+                                     std::vector<LocalHit>& hits) const {
+  lift_from_t(profile, ray, ray.p.y, 0, posed, root, hits);
+}
+
+// ----------------------------------------------------------------------------------------------- along_ray
+
+TeardropAlongRay::TeardropAlongRay(const Teardrop& surface)
+    : profile(surface.profile), regions(surface.regions) {}
+
+FormulationInfo TeardropAlongRay::info() {
+  return {"along_ray", "F(l) = R(t(y))^2 - |x_xz|^2 in l, recentred: smooth through q_y = 0",
+          "graze (surfaces/teardrop.md)", {Form::scalar, Form::interval}};
+}
+
+void TeardropAlongRay::pose(const LocalRay& ray, EquationBlock& block) const {
+  if (!revolution::is_usable(ray)) return block.settle(Status::failed);
+  AlongRay* const self = block.arena().make(AlongRay(profile, ray));
+  if (block.form() == Form::scalar) {
+    block.pose(ScalarEquation{self, &AlongRay::eval, ray.lo, ray.hi, profile.max_hits(), ray.seed()});
+  } else {
+    self->prepare_intervals();
+    block.pose(IntervalEquation{self, &AlongRay::value, &AlongRay::derivative, ray.lo, ray.hi,
+                                epsilons_along(regions, profile, ray, block.arena())});
+  }
+}
+
+void TeardropAlongRay::lift(const LocalRay& ray, const Posed& /*posed*/, const Root& root,
+                            std::vector<LocalHit>& hits) const {
+  hits.push_back({.multiplicity = root.multiplicity,
+                  .delta = root.x,
+                  .t = profile.t_of_height(std::fma(root.x, ray.d.y, ray.p.y), 0)});
+}
+
+// -------------------------------------------------------------------------------------------------- system
+
+TeardropSystem::TeardropSystem(const Teardrop& surface) : profile(surface.profile) {}
+
+FormulationInfo TeardropSystem::info() {
+  return {"system", "o + l d = S(t, theta): three equations in (l, t, theta), recentred",
+          "document 003 with the sign of its Jacobian corrected", {Form::system}};
+}
+
+void TeardropSystem::lift(const LocalRay& /*ray*/, const Posed& /*posed*/, const Root& root,
+                          std::vector<LocalHit>& hits) const {
+  hits.push_back({.multiplicity = root.multiplicity, .delta = root.x, .t = root.others[0]});
+}
+
+// ------------------------------------------------------------------------------------------------ teardrop
+
+SurfaceInfo Teardrop::info() {
+  SurfaceInfo info;
+  info.summary = "Bezier profile (0,0), (2s,0), (3s,2s), (0,6s) revolved about y";
+  info.source = "document 000";
+  info.page = "surfaces/teardrop.md";
+  info.parameters = {"s"};
+  info.params = {"t", "theta"};
+  info.regions = {TeardropRegions::kNames.begin(), TeardropRegions::kNames.end()};
+  return info;
+}
+
+Teardrop::Teardrop(const SurfaceSpec& spec) : s_(spec.parameters.number("s")) {
+  if (s_ <= 0) throw std::invalid_argument("parameter 's' must be positive");
+  unit_ = exponent_of(s_);
+  profile.m = scale_by_power(s_, -unit_);
+  // Defaults, measured (surfaces/teardrop.md): above the rounding floor of F in double, region by region.
+  regions.eps = {0x1p-40, 0x1p-44, 0x1p-44, 0x1p-44, 0x1p-40, 0x1p-24};
+  for (std::size_t i = 0; i < regions.eps.size(); ++i) {
+    const auto given = spec.eps.find(std::string(TeardropRegions::kNames[i]));
+    if (given != spec.eps.end()) regions.eps[i] = given->second;
+  }
+}
+
+LocalPoint Teardrop::describe(const LocalRay& ray, const LocalHit& hit) const {
+  return revolution::describe(ray, hit, profile.at(hit.t), 1.0, hit.t < 0.5 ? -1.0 : 1.0);
+}
+
+}  // namespace graze
