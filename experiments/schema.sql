@@ -44,6 +44,7 @@ CREATE TABLE IF NOT EXISTS ray(
   family INTEGER NOT NULL REFERENCES family(id),
   idx INTEGER NOT NULL,          -- family, seed and index name a ray for ever
   difficulty REAL,               -- larger = see family.difficulty; NULL where the family has no knob
+  scale REAL NOT NULL,           -- the surface's lengths are multiplied by this for this ray (family `scale`), else 1
   ox TEXT NOT NULL, oy TEXT NOT NULL, oz TEXT NOT NULL, dx TEXT NOT NULL, dy TEXT NOT NULL, dz TEXT NOT NULL,
   status TEXT NOT NULL,          -- truth's: ok | coincident
   hits INTEGER NOT NULL,         -- truth's count of distinct hits

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <graze/experiments/truth_polynomial.hpp>
 
@@ -324,7 +325,7 @@ Polynomial on_interval(const Polynomial& p, const Integer& lo, const Integer& hi
   return q;
 }
 
-/// p on (2^a, 2^b) in Bernstein form. Powers of two common to all coefficients are no information.
+/// p on (2^a, 2^b) in Bernstein form.
 std::vector<Integer> bernstein_between_powers(const Polynomial& p, long a, long b) {
   return to_bernstein(on_interval(p, 1, shifted(Integer(1), b - a), -a));
 }
@@ -543,7 +544,7 @@ Polynomial gcd(const Polynomial& a, const Polynomial& b) {
   const Integer lead = boost::multiprecision::gcd(first.back(), second.back());
   ChineseRemainder joined;
   long best = std::min(degree(first), degree(second)) + 1;
-  Polynomial last;
+  std::uint64_t joined_primes = 0;
   for (std::uint64_t p = kMersenne61;; p = next_prime(p)) {
     const Field field{p};
     if (field.of(first.back()) == 0 || field.of(second.back()) == 0) continue;
@@ -551,16 +552,19 @@ Polynomial gcd(const Polynomial& a, const Polynomial& b) {
     const auto d = static_cast<long>(g.size()) - 1;
     if (d == 0) return {1};
     if (d > best) continue;
-    if (d < best) joined.restart();
+    if (d < best) {
+      joined.restart();
+      joined_primes = 0;
+    }
     best = d;
     const std::uint64_t factor = field.mul(field.of(lead), field.inverse(g.back()));
     for (auto& c : g) c = field.mul(c, factor);
     joined.join(g, field);
-    // Only a candidate that no longer changes is worth the proof by division.
-    const Polynomial candidate = primitive(joined.symmetric());
-    if (candidate == last && divide_exact(first, candidate) && divide_exact(second, candidate))
-      return candidate;
-    last = candidate;
+    // A candidate is tried whenever the number of primes has doubled: the proof by division costs more than a
+    // prime.
+    if (!std::has_single_bit(++joined_primes)) continue;
+    Polynomial candidate = primitive(joined.symmetric());
+    if (divide_exact(first, candidate) && divide_exact(second, candidate)) return candidate;
   }
 }
 
@@ -661,14 +665,12 @@ void refine(Root& root, long k) {
     root.k = at;
     root.exact = true;
   };
-  long step = 1;
   while (root.k < k) {
-    // The secant through both ends picks the grid point next to the root.
-    step = std::min(step, k - root.k);
+    // The secant through both ends picks the grid point next to the root; one bit has only the midpoint.
+    const long step = std::min(root.step, k - root.k);
     const long finer = root.k + step;
     const Integer size = abs(left) + abs(right);
-    Integer guess = (shifted(abs(left), step + 1) + size) / (2 * size);
-    if (step == 1) guess = 1;
+    const Integer guess = step == 1 ? Integer(1) : (shifted(abs(left), step + 1) + size) / (2 * size);
     const Integer first = shifted(root.m, step) + guess;
     Integer at_first = value_at(*root.p, first, finer);
     if (sign(at_first) == 0) return found_exact(first, finer);
@@ -677,14 +679,14 @@ void refine(Root& root, long k) {
     Integer at_second = value_at(*root.p, second, finer);
     if (sign(at_second) == 0) return found_exact(second, finer);
     if (sign(at_second) == sign(at_first)) {
-      step = std::max(1L, step / 2);
+      root.step = std::max(1L, step / 2);
       continue;
     }
     root.m = root_is_right ? first : second;
     root.k = finer;
     left = root_is_right ? std::move(at_first) : std::move(at_second);
     right = root_is_right ? std::move(at_second) : std::move(at_first);
-    step *= 2;
+    root.step = std::max(root.step, 2 * step);
   }
 }
 

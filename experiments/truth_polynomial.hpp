@@ -64,6 +64,7 @@ struct Root {
   bool exact = false;
   int left_sign = 0;  ///< sign of *p at m / 2^k
   std::uint32_t multiplicity = 1;
+  long step = 1;  ///< bits that the next refinement tries to gain
 };
 
 /// All roots in the closed interval [0, 1], ascending, with their multiplicities in p. p != 0.

@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <deque>
+#include <graze/experiments/truth_distance.hpp>
 #include <graze/experiments/truth_number.hpp>
 #include <graze/experiments/truth_types.hpp>
+#include <limits>
 #include <stdexcept>
 
 namespace graze::truth {
@@ -20,7 +21,7 @@ using Intervals = std::array<Interval, 3>;
 
 Integer inner(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// Adds c x^i.
+/// p + c.
 Polynomial plus(Polynomial p, const Integer& c) {
   if (p.empty()) p.emplace_back(0);
   p[0] += c;
@@ -135,6 +136,7 @@ class Revolution final : public Surface {
   Revolution(Profile profile, const Placement& placement);
 
   [[nodiscard]] Answer all(const Ray& ray, const Options& options) const override;
+  [[nodiscard]] double distance(Vec3 point) const override { return distance_(point); }
 
  private:
   [[nodiscard]] Question ask(const Ray& ray) const;
@@ -151,17 +153,18 @@ class Revolution final : public Surface {
 
   Profile profile_;
   Transform transform_;
+  ProfileDistance distance_;
   int orientation_ = 1;
   bool is_flat_ = false;        ///< Y is constant
   bool y_is_monotone_ = false;  ///< strictly, on [0, 1]
 };
 
-/// Sign of the integral of R Y' over [0, 1]; 1 when it is zero.
-int area_sign(const Polynomial& r, const Polynomial& y) {
-  const Polynomial integrand = multiply(r, derivative(y));
-  Rational area = 0;
-  for (std::size_t i = 0; i < integrand.size(); ++i) area += Rational(integrand[i], Integer(i + 1));
-  return area < 0 ? -1 : 1;
+/// Sign of the enclosed volume, pi times the integral of R^2 Y' over [0, 1]; 1 when it is zero.
+int volume_sign(const Polynomial& r_squared, const Polynomial& y) {
+  const Polynomial integrand = multiply(r_squared, derivative(y));
+  Rational volume = 0;
+  for (std::size_t i = 0; i < integrand.size(); ++i) volume += Rational(integrand[i], Integer(i + 1));
+  return volume < 0 ? -1 : 1;
 }
 
 /// Sufficient: Y' has no root in the open interval (0, 1).
@@ -173,6 +176,12 @@ bool is_monotone(const Polynomial& y) {
   return true;
 }
 
+std::vector<Quad> to_quads(const Polynomial& p, long e) {
+  std::vector<Quad> quads;
+  for (const Integer& c : p) quads.push_back(ldexp(Quad(c), static_cast<int>(e)));
+  return quads;
+}
+
 Revolution::Revolution(Profile profile, const Placement& placement)
     : profile_(std::move(profile)), transform_(prepare(placement)) {
   trim(profile_.r);
@@ -180,9 +189,10 @@ Revolution::Revolution(Profile profile, const Placement& placement)
   if (profile_.r.empty()) throw std::invalid_argument("the profile lies on the axis and makes no surface");
   if (degree(profile_.r) < 1 && degree(profile_.y) < 1)
     throw std::invalid_argument("the profile is a single point and makes no surface");
+  distance_ = ProfileDistance(to_quads(profile_.r, profile_.e), to_quads(profile_.y, profile_.e), placement);
   profile_.r_squared = multiply(profile_.r, profile_.r);
   profile_.y_squared = multiply(profile_.y, profile_.y);
-  orientation_ = area_sign(profile_.r, profile_.y);
+  orientation_ = volume_sign(profile_.r_squared, profile_.y);
   is_flat_ = degree(profile_.y) < 1;
   y_is_monotone_ = is_monotone(profile_.y);
   // Object space is stretched by det M and 2^e of M, which turns M^-1 into the adjugate.
@@ -507,16 +517,16 @@ double angle(const Intervals& x) {
   return std::atan2(size(x[2]), size(x[0]));
 }
 
-/// The y component, 1 or -1, of the normal where the profile meets the axis: that of (Y', -R') or, at an end,
-/// of its limit there.
+/// The y component, 1 or -1, of the normal where the profile meets the axis: |R| grows away from the first end
+/// and falls towards the last. Within the profile, where it meets the axis in a double tip, that of -R'.
 int Revolution::pole_sign(const Question& q, Root& root) const {
-  int slope = 0;
-  if (is_end(root)) slope = sign_beside_end(q.profile.r, root) * (sign(root.m) == 0 ? 1 : -1);
-  if (slope == 0) slope = sign_at(root, derivative(q.profile.r));
+  if (is_end(root)) return sign(root.m) == 0 ? -orientation_ : orientation_;
+  const int slope = sign_at(root, derivative(q.profile.r));
   return slope == 0 ? orientation_ : -slope * orientation_;
 }
 
-/// sign(R) (Y' X, -R R', Y' Z), oriented: outward, of any length. At a pole (0, +-1, 0).
+/// (Y', -|R|') in the half plane (|R|, y), times |R|: (Y' X, -R R', Y' Z), oriented outward, of any length. At a
+/// pole (0, +-1, 0).
 Intervals Revolution::object_normal(const Question& q, Contact& contact, long bits) const {
   const auto whole = [bits](int value) { return Interval::of(Integer(value), bits); };
   if (contact.pole) return {whole(0), whole(pole_sign(q, *contact.root)), whole(0)};
@@ -529,7 +539,7 @@ Intervals Revolution::object_normal(const Question& q, Contact& contact, long bi
   const auto at_root = [&](const Polynomial& p) { return image(*contact.root, p, lipschitz_bound(p), bits); };
   const Intervals x = object_point(q, contact.l, bits);
   const Interval r = nonzero_image(*contact.root, q.profile.r, lipschitz_bound(q.profile.r), bits);
-  const Interval side = whole(orientation_ * r.sign());
+  const Interval side = whole(orientation_);
   const Interval outward = side * at_root(dy);
   return {outward * x[0], -(side * r * at_root(dr)), outward * x[2]};
 }

@@ -485,6 +485,7 @@ SurfaceInfo BezierRevolution::info() {
   info.source = "document 003";
   info.page = "surfaces/bezier_revolution.md";
   info.parameters = {"control_points"};
+  info.lengths = {"control_points"};
   info.params = {"t", "theta"};
   info.regions = {BezierRegions::kNames.begin(), BezierRegions::kNames.end()};
   return info;

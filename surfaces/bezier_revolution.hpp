@@ -104,6 +104,10 @@ struct BezierRevolution {
   [[nodiscard]] double size() const { return size_; }
   [[nodiscard]] bool clip(LocalRay& ray) const { return revolution::clip(ray, profile.cylinder); }
   [[nodiscard]] LocalPoint describe(const LocalRay& ray, const LocalHit& hit) const;
+  [[nodiscard]] SurfaceSample sample(double u, double v) const {
+    return revolution::sample(profile, profile.orientation, unit_, u, v);
+  }
+  [[nodiscard]] Landmarks landmarks() const { return revolution::landmarks(profile, unit_); }
 
   BezierProfile profile;
   BezierRegions regions;

@@ -119,6 +119,33 @@ inline LocalPoint describe(const LocalRay& ray, const LocalHit& hit, const Profi
   return point;
 }
 
+/// A point of the surface in object space: t = u, theta = 2 pi v; lengths are 2^unit times the profile's.
+template <class Profile>
+SurfaceSample sample(const Profile& profile, double orientation, int unit, double u, double v) {
+  const ProfilePoint c = profile.at(u);
+  const double theta = 2 * std::numbers::pi * v;
+  const Vec3 radial{std::cos(theta), 0, std::sin(theta)};
+  const auto length = [unit](double x) { return scale_by_power(x, unit); };
+  const Vec3 normal = c.dy * orientation * radial + Vec3{0, -orientation * c.dr, 0};
+  return {{length(c.r * radial.x), length(c.y), length(c.r * radial.z)}, normalized(normal)};
+}
+
+/// Bounds and poles in object space.
+template <class Profile>
+Landmarks landmarks(const Profile& profile, int unit) {
+  const Cylinder bounds = profile.bounds();
+  const auto length = [unit](double x) { return scale_by_power(x, unit); };
+  Landmarks marks;
+  marks.has_axis = true;
+  marks.centre = {0, length(0.5 * (bounds.y_lo + bounds.y_hi)), 0};
+  marks.half = {length(bounds.radius), length(0.5 * (bounds.y_hi - bounds.y_lo)), length(bounds.radius)};
+  for (const double t : {0.0, 1.0}) {
+    const ProfilePoint end = profile.at(t);
+    if (end.r == 0) marks.poles.push_back({0, length(end.y), 0});
+  }
+  return marks;
+}
+
 /// The document's system in (delta, t, theta): three unknowns, analytic Jacobian. The columns for t and theta
 /// carry the minus sign that document 003 drops (MATHS errata 8). theta has no bounds and period 2 pi.
 template <class Profile>

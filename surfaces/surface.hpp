@@ -35,6 +35,21 @@ struct LocalPoint {
   std::array<double, 2> params{};
 };
 
+/// A point of the surface in object space with its outward unit normal: raw material for case families, good
+/// to a few ulps.
+struct SurfaceSample {
+  Vec3 point;
+  Vec3 normal;
+};
+
+/// What case families aim at, in object space.
+struct Landmarks {
+  Vec3 centre;               ///< middle of the bounds
+  Vec3 half;                 ///< half their extent along x, y, z
+  std::vector<Vec3> poles;   ///< points where the surface meets its axis, or other singular points
+  bool has_axis = false;     ///< a surface of revolution about y
+};
+
 struct FormulationInfo {
   std::string_view name;     ///< "along_ray"
   std::string_view summary;  ///< the equation in one line
@@ -49,6 +64,7 @@ struct SurfaceInfo {
   std::vector<std::string_view> parameters;
   std::array<std::string_view, 2> params;  ///< names of a hit's parameters
   std::vector<std::string_view> regions;   ///< names the scene's eps table may set
+  std::vector<std::string_view> lengths;   ///< parameters that scale with the scene
 };
 
 /// A formulation is a plain struct built from its surface that poses the equations of one ray and turns
@@ -74,6 +90,8 @@ concept Formulation = std::constructible_from<F, const S&> &&
 ///   double size() const;                                   // L: its length scale
 ///   bool clip(LocalRay&) const;                            // recentre, bound delta; false: certainly no hit
 ///   LocalPoint describe(const LocalRay&, const LocalHit&) const;
+///   SurfaceSample sample(double u, double v) const;        // a point for u, v in [0, 1)
+///   Landmarks landmarks() const;
 template <class S>
 concept SurfaceType = std::constructible_from<S, const SurfaceSpec&> &&
     requires(const S& surface, LocalRay& ray, const LocalRay& clipped, const LocalHit& hit) {
@@ -83,6 +101,8 @@ concept SurfaceType = std::constructible_from<S, const SurfaceSpec&> &&
   { surface.size() } -> std::same_as<double>;
   { surface.clip(ray) } -> std::same_as<bool>;
   { surface.describe(clipped, hit) } -> std::same_as<LocalPoint>;
+  { surface.sample(0.5, 0.5) } -> std::same_as<SurfaceSample>;
+  { surface.landmarks() } -> std::same_as<Landmarks>;
 };
 
 /// A surface with its type erased: one virtual call a batch.
@@ -91,6 +111,8 @@ class AnySurface {
   virtual ~AnySurface() = default;
   [[nodiscard]] virtual std::span<const FormulationInfo> formulations() const = 0;
   [[nodiscard]] virtual double size() const = 0;
+  [[nodiscard]] virtual SurfaceSample sample(double u, double v) const = 0;
+  [[nodiscard]] virtual Landmarks landmarks() const = 0;
   /// Rays into the surface's frame. rays[i] of the object space becomes local[i]; inside[i] says whether it
   /// can hit at all.
   virtual void localize(std::span<const Ray> rays, std::span<LocalRay> local, std::span<bool> inside) const = 0;
@@ -115,6 +137,8 @@ class SurfaceModel final : public AnySurface {
 
   [[nodiscard]] std::span<const FormulationInfo> formulations() const override { return infos_; }
   [[nodiscard]] double size() const override { return surface_.size(); }
+  [[nodiscard]] SurfaceSample sample(double u, double v) const override { return surface_.sample(u, v); }
+  [[nodiscard]] Landmarks landmarks() const override { return surface_.landmarks(); }
 
   void localize(std::span<const Ray> rays, std::span<LocalRay> local, std::span<bool> inside) const override {
     for (std::size_t i = 0; i < rays.size(); ++i) {

@@ -312,6 +312,7 @@ SurfaceInfo Teardrop::info() {
   info.source = "document 000";
   info.page = "surfaces/teardrop.md";
   info.parameters = {"s"};
+  info.lengths = {"s"};
   info.params = {"t", "theta"};
   info.regions = {TeardropRegions::kNames.begin(), TeardropRegions::kNames.end()};
   return info;

@@ -101,6 +101,10 @@ struct Teardrop {
   [[nodiscard]] double size() const { return s_; }
   [[nodiscard]] bool clip(LocalRay& ray) const { return revolution::clip(ray, profile.bounds()); }
   [[nodiscard]] LocalPoint describe(const LocalRay& ray, const LocalHit& hit) const;
+  [[nodiscard]] SurfaceSample sample(double u, double v) const {
+    return revolution::sample(profile, 1.0, unit_, u, v);
+  }
+  [[nodiscard]] Landmarks landmarks() const { return revolution::landmarks(profile, unit_); }
 
   TeardropProfile profile;
   TeardropRegions regions;

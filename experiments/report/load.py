@@ -178,7 +178,7 @@ GROUP BY 1, 2, 3, 4
 # Worst first: a wrong first hit, then more wrong hits, then the better conditioned ray: the least excusable.
 WORST = f"""
 SELECT * FROM (
-  SELECT r.cell, y.family, y.surface, y.idx, y.difficulty, y.condition, y.ambiguous, y.truth, y.hits AS true_hits,
+  SELECT r.cell, y.family, y.surface, y.idx, y.difficulty, y.scale, y.condition, y.ambiguous, y.truth, y.hits AS true_hits,
          r.status, r.hits, r.missed, r.spurious, r.wrong_first, r.condition_units,
          y.ox, y.oy, y.oz, y.dx, y.dy, y.dz,
          ROW_NUMBER() OVER (PARTITION BY r.cell, y.family

@@ -108,4 +108,4 @@ def strata_weights(total: int, kept: int, sampled: int) -> float | None:
     """
     if kept + sampled >= total:
         return 1.0
-    return 1.0 if sampled > 0 else None
+    return (total - kept) / sampled if sampled > 0 else None

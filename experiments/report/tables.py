@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 
 import pandas as pd
 
@@ -21,6 +22,8 @@ from .statistics import (
 
 METRICS = ("condition_units", "ulps", "backward", "normal_error")
 QUANTILES = {"p50": 0.5, "p99": 0.99, "worst": 1.0}
+LENGTHS_ONLY = ("teardrop", "bezier_revolution", "sphere", "torus")  # types whose parameters are lengths, every one
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d[\d.]*(?:[eE][-+]?\d+)?")
 TRUTH_DIGITS = 20  # characters of a true l in the table: beyond double's 17 digits, short enough to read
 SHARES = ("wrong", "inexcusable", "missed", "spurious", "wrong_first", "uncertain", "failed", "unsolved")
 
@@ -211,13 +214,17 @@ def distributions(store: Store) -> pd.DataFrame:
 def worst_rays(store: Store) -> pd.DataFrame:
     """The worst wrong records on rays that are not ambiguous, least excusable first, as lines to paste."""
     cells = store.cells.set_index("id")
-    surface_of = store.surfaces.set_index("id")["label"]
+    surfaces = store.surfaces.set_index("id")
     family_of = store.families.set_index("id")["name"]
     table = store.worst.copy()
+    table["asked"] = [
+        scaled_surface(surfaces.at[row.surface, "label"], surfaces.at[row.surface, "type"], row.scale)
+        for row in table.itertuples()
+    ]
     table["ray"] = [ray_line(row) for row in table.itertuples()]
     table["truth_l"] = table["truth"].map(truth_text)
     table["answer_l"] = table["hits"].map(answer_text)
-    table["surface"] = table["surface"].map(surface_of)
+    table["surface"] = table["surface"].map(surfaces["label"])
     table["family_name"] = table["family"].map(family_of)
     for column in ("label", "variant", "solver", "options", "formulation", "precision", "certified"):
         table[column] = table["cell"].map(cells[column])
@@ -232,12 +239,24 @@ def ray_line(row: object) -> str:
     return json.dumps(line, separators=(",", ":"))
 
 
+def scaled_surface(label: str, type_: str, scale: float) -> str | None:
+    """The surface that the ray was asked of: its lengths times `scale`. None where a number may not be a length."""
+    if scale == 1:
+        return label
+    if type_ not in LENGTHS_ONLY:
+        return None
+    name, _, parameters = label.partition(":")
+    return f"{name}:" + NUMBER.sub(lambda number: repr(float(number[0]) * scale), parameters)
+
+
 def solve_command(row: object) -> str:
     """The command that asks the cell again; its ray comes on stdin."""
+    if row.asked is None:
+        return f"# {row.surface}, its lengths multiplied by {row.scale!r}: {row.ray}"
     precision = "" if row.precision == "double" else f" --precision {row.precision}"
     note = f"  # options {row.options}" if row.options else ""
     return (
-        f"echo '{row.ray}' | graze solve --surface '{row.surface}' --solver {row.solver} "
+        f"echo '{row.ray}' | graze solve --surface '{row.asked}' --solver {row.solver} "
         f"--formulation {row.formulation} --query all{precision}{note}"
     )
 

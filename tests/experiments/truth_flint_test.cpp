@@ -280,8 +280,8 @@ class SecondEngine {
       : r_(Q(model.unit) * bezier(model.points, 0)),
         y_(Q(model.unit) * bezier(model.points, 1)),
         placement_(model.spec.placement) {
-    const Q area = (r_ * y_.slope()).integral().at(Q(1));
-    orientation_ = area.sign() < 0 ? -1 : 1;
+    const Q volume = (r_ * r_ * y_.slope()).integral().at(Q(1));
+    orientation_ = volume.sign() < 0 ? -1 : 1;
     inverse_ = inverse(placement_.matrix);
   }
 
@@ -351,11 +351,11 @@ class SecondEngine {
     Expected hit{l, multiplicity, {}, false, root.t.value()};
     hit.has_normal = !root.is_root_of(r_) && !(root.is_root_of(r_.slope()) && root.is_root_of(y_.slope()));
     if (hit.has_normal) {
-      // In the half plane (sign(R) Y', -R'): along x that is Y' x / R.
-      const Arb up = evaluate(y_.slope(), root.t) / evaluate(r_, root.t);
+      // In the half plane (|R|, y) it is (Y', -|R|'): times |R|, that is (Y' x, -R R', Y' z).
+      const Arb up = evaluate(y_.slope(), root.t);
       const Arb side{Q(orientation_)};
       const std::array<Arb, 3> n{side * up * (Arb(o[0]) + l * Arb(d[0])),
-                                 Arb(Q(-orientation_)) * evaluate(r_.slope(), root.t),
+                                 Arb(Q(-orientation_)) * evaluate(r_, root.t) * evaluate(r_.slope(), root.t),
                                  side * up * (Arb(o[2]) + l * Arb(d[2]))};
       std::array<Arb, 3> world;
       for (std::size_t i = 0; i < 3; ++i)

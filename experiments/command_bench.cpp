@@ -1,0 +1,188 @@
+// graze bench: ns per ray of several solvers, interleaved in one process.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <graze/experiments/truth.hpp>
+
+#include "cases.hpp"
+#include "commands.hpp"
+#include "errors.hpp"
+#include "json_lines.hpp"
+#include "judge.hpp"
+#include "timing.hpp"
+
+namespace graze {
+namespace {
+
+struct BenchOptions {
+  std::string surface;
+  std::vector<std::string> cases;
+  std::string solvers;
+  std::string formulation;
+  std::string precision = "double";
+  std::string query = "first";
+  std::size_t rays = 8192;
+  std::size_t judged = 1000;
+  int repeats = 15;
+  double budget_ms = 200;
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+
+/// The family's rays; those of the family `scale` at scale 1, since one surface is timed.
+std::vector<Ray> bench_rays(const CaseFamily& family, const AnySurface& surface, const BenchOptions& options) {
+  std::vector<Ray> rays;
+  for (std::size_t block = 0; rays.size() < options.rays; ++block) {
+    const std::size_t count = std::min(kCaseBlock, options.rays - rays.size());
+    for (const CaseRay& ray : make_block(family, surface, options.seed, block, count)) rays.push_back(ray.ray);
+  }
+  return rays;
+}
+
+/// Answers on the first rays, against truth. For queries other than all only the first hit is asked for.
+struct Score {
+  std::size_t judged = 0, wrong = 0, uncertain = 0, failed = 0, hits = 0;
+};
+
+std::vector<truth::Answer> first_truths(const SurfaceSpec& spec, std::span<const Ray> rays, Query query) {
+  const auto truth = truth::make_surface(spec);
+  std::vector<truth::Answer> answers;
+  for (const Ray& ray : rays) {
+    answers.push_back(truth->all(ray, {.digits = 17}));
+    if (query != Query::all && answers.back().hits.size() > 1) answers.back().hits.resize(1);
+  }
+  return answers;
+}
+
+Score score(const Scene& scene, std::span<const Ray> rays, Query query, std::span<const truth::Answer> truths,
+            double size) {
+  Scene::Workspace work;
+  HitBuffer hits;
+  scene.intersect(rays, query, {}, work, hits);
+  Score result;
+  result.hits = hits.l.size();
+  for (std::size_t i = 0; i < truths.size(); ++i) {
+    const Claim claim{hits.status[i], std::span(hits.l).subspan(hits.begin(i), hits.count(i)), {}, {}};
+    const Verdict verdict = judge(rays[i], truths[i], claim, {.size = size}, nullptr).verdict;
+    ++result.judged;
+    result.wrong += verdict == Verdict::wrong ? 1 : 0;
+    result.uncertain += verdict == Verdict::uncertain ? 1 : 0;
+    result.failed += verdict == Verdict::failed ? 1 : 0;
+  }
+  return result;
+}
+
+struct Line {
+  std::string solver, formulation;
+  Spread ns;
+  Score score;
+  std::size_t rays = 0;
+  bool censored = false;
+};
+
+void print(const BenchOptions& options, const CaseFamily& family, const std::vector<Line>& lines, Output& output) {
+  fmt::memory_buffer& out = output.buffer();
+  if (!options.json) {
+    fmt::format_to(std::back_inserter(out), "{} / {}, query {}, {} rays\n  {:<28} {:<20} {:>12} {:>12} {:>12}  {}\n",
+                   options.surface, family.name, options.query, options.rays, "solver", "formulation", "median ns",
+                   "min ns", "p90 ns", "wrong / uncertain / failed of judged");
+  }
+  for (const Line& line : lines) {
+    if (options.json) {
+      const nlohmann::ordered_json json{
+          {"surface", options.surface}, {"case", family.name}, {"solver", line.solver},
+          {"formulation", line.formulation}, {"precision", options.precision}, {"query", options.query},
+          {"rays", line.rays}, {"ns_per_ray", {{"min", line.ns.min}, {"median", line.ns.median}, {"p90", line.ns.p90}}},
+          {"hits", line.score.hits}, {"wrong", line.score.wrong}, {"uncertain", line.score.uncertain},
+          {"failed", line.score.failed}, {"judged", line.score.judged}, {"censored", line.censored}};
+      fmt::format_to(std::back_inserter(out), "{}\n", json.dump());
+    } else {
+      fmt::format_to(std::back_inserter(out), "  {:<28} {:<20} {:>12.1f} {:>12.1f} {:>12.1f}  {} / {} / {} of {}{}\n",
+                     line.solver, line.formulation, line.ns.median, line.ns.min, line.ns.p90, line.score.wrong,
+                     line.score.uncertain, line.score.failed, line.score.judged,
+                     line.censored ? fmt::format("  (timed on {} rays)", line.rays) : "");
+    }
+  }
+  output.flush();
+}
+
+void bench_family(const BenchOptions& options, const SurfaceSpec& spec, std::span<const SolverSpec> solvers,
+                  const CaseFamily& family, Output& output) {
+  const auto surface = find_surface(spec.type).make(spec);
+  if (!family.suits(surface->landmarks())) {
+    throw UsageError(fmt::format("case '{}' makes no sense for {}", family.name, options.surface));
+  }
+  const Query query = parse_query(options.query);
+  const std::vector<Ray> rays = bench_rays(family, *surface, options);
+  const auto truths = first_truths(spec, std::span(rays).first(std::min(options.judged, rays.size())), query);
+
+  std::vector<Scene> scenes;
+  std::vector<Line> lines;
+  for (const SolverSpec& solver : solvers) {
+    SceneMember member;
+    member.surface = spec;
+    member.formulation = options.formulation;
+    scenes.push_back(build_scene({&member, 1}, solver));
+    Line line;
+    line.solver = solver.options_text.empty() ? solver.name : solver.name + ":" + solver.options_text;
+    line.formulation = std::string(scenes.back().members()[0].formulation().name);
+    line.score = score(scenes.back(), std::span(rays).first(truths.size()), query, truths, surface->size());
+    lines.push_back(std::move(line));
+  }
+  std::vector<Contestant> contestants;
+  for (const Scene& scene : scenes) contestants.push_back({{{&scene, rays}}, query});
+  std::vector<std::vector<double>> samples(scenes.size());
+  time_contestants(contestants, {options.repeats, 1e-3 * options.budget_ms, options.seed},
+                   [&](const TimingSample& sample) {
+                     samples[sample.contestant].push_back(sample.ns_per_ray);
+                     lines[sample.contestant].rays = sample.rays;
+                     lines[sample.contestant].censored |= sample.censored;
+                     return true;
+                   });
+  for (std::size_t i = 0; i < lines.size(); ++i) lines[i].ns = spread(samples[i]);
+  print(options, family, lines, output);
+}
+
+void bench(const BenchOptions& options) {
+  check_precision(options.precision);
+  const SurfaceSpec spec = parse_surface(options.surface);
+  const std::vector<SolverSpec> solvers = parse_solver_list(options.solvers);
+  const PinnedCore pinned;
+  if (!pinned.warning().empty()) fmt::print(stderr, "graze bench: warning: {}\n", pinned.warning());
+  Output output;
+  for (const std::string& name : options.cases) {
+    const CaseFamily* family = nullptr;
+    try {
+      family = &find_family(name);
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(error.what());
+    }
+    bench_family(options, spec, solvers, *family, output);
+  }
+}
+
+}  // namespace
+
+Action add_bench_command(CLI::App& app) {
+  CLI::App* const command = app.add_subcommand("bench", "ns per ray of several solvers, interleaved in one process");
+  const auto options = std::make_shared<BenchOptions>();
+  options->cases = {"camera"};
+  command->add_option("--surface", options->surface, "surface, values in TOML syntax: teardrop:s=1")
+      ->type_name("NAME:key=value,...")
+      ->required();
+  command->add_option("--solver", options->solvers, "solvers to compare: A,B:key=value,C")->type_name("A,B,...")->required();
+  command->add_option("--case", options->cases, "case families (default camera)")->type_name("NAME,...")->delimiter(',');
+  command->add_option("--formulation", options->formulation, "equation to solve (default: each solver's preference)")
+      ->type_name("NAME");
+  add_precision_option(*command, options->precision);
+  add_query_option(*command, options->query);
+  command->add_option("--rays", options->rays, "rays (default 8192: resident in the L2 cache)")->check(CLI::Range(1, 100000000));
+  command->add_option("--judge", options->judged, "rays judged against truth (default 1000)")->check(CLI::Range(0, 100000000));
+  command->add_option("--repeats", options->repeats, "counted turns of each solver (default 15)")->check(CLI::Range(1, 100000));
+  command->add_option("--budget-ms", options->budget_ms, "time after which a turn stops (default 200)")->check(CLI::Range(1.0, 1e6));
+  command->add_option("--seed", options->seed, "of rays and order (default 1)");
+  command->add_flag("--json", options->json, "one JSON object a line");
+  return [options] { bench(*options); };
+}
+
+}  // namespace graze

@@ -1,0 +1,142 @@
+// graze list: what this build has.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cases.hpp"
+#include "commands.hpp"
+#include "json_lines.hpp"
+
+namespace graze {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> form_names(const std::vector<Form>& forms) {
+  std::vector<std::string> names;
+  for (const Form form : forms) names.emplace_back(to_string(form));
+  return names;
+}
+
+Json solvers_json() {
+  Json list = Json::array();
+  for (const SolverEntry& entry : solver_registry()) {
+    Json options = Json::array();
+    for (const auto& option : entry.info.options) {
+      options.push_back({{"name", option.name}, {"default", option.fallback}, {"meaning", option.meaning}});
+    }
+    const auto& claims = entry.info.claims;
+    list.push_back({{"name", entry.name},
+                    {"summary", entry.info.summary},
+                    {"forms", form_names(entry.info.forms)},
+                    {"claims",
+                     {{"finds_touching_roots", claims.finds_touching_roots},
+                      {"certified", claims.certified},
+                      {"deterministic", claims.deterministic}}},
+                    {"options", options},
+                    {"source", entry.info.source},
+                    {"page", entry.info.page}});
+  }
+  return list;
+}
+
+Json surfaces_json() {
+  Json list = Json::array();
+  for (const SurfaceEntry& entry : surface_registry()) {
+    Json formulations = Json::array();
+    for (const FormulationInfo& formulation : entry.formulations) {
+      formulations.push_back({{"name", formulation.name},
+                              {"summary", formulation.summary},
+                              {"forms", form_names(formulation.forms)},
+                              {"source", formulation.source}});
+    }
+    list.push_back({{"name", entry.name},
+                    {"summary", entry.info.summary},
+                    {"parameters", entry.info.parameters},
+                    {"params", entry.info.params},
+                    {"eps_regions", entry.info.regions},
+                    {"formulations", formulations},
+                    {"source", entry.info.source},
+                    {"page", entry.info.page}});
+  }
+  return list;
+}
+
+Json cases_json() {
+  Json list = Json::array();
+  for (const CaseFamily& family : case_families()) {
+    list.push_back({{"name", family.name}, {"summary", family.summary}, {"difficulty", family.difficulty}});
+  }
+  return list;
+}
+
+void print_solvers(fmt::memory_buffer& out) {
+  fmt::format_to(std::back_inserter(out), "solvers\n");
+  for (const SolverEntry& entry : solver_registry()) {
+    const auto& claims = entry.info.claims;
+    fmt::format_to(std::back_inserter(out), "  {:<20} {}\n  {:<20}   forms: {}; {}{}{}\n", entry.name,
+                   entry.info.summary, "", fmt::join(form_names(entry.info.forms), ", "),
+                   claims.certified ? "certified" : "not certified",
+                   claims.finds_touching_roots ? ", sees touching roots" : ", does not decide touching roots",
+                   claims.deterministic ? "" : ", seeded random starts");
+    for (const auto& option : entry.info.options) {
+      fmt::format_to(std::back_inserter(out), "  {:<20}   {}={}: {}\n", "", option.name, option.fallback, option.meaning);
+    }
+    fmt::format_to(std::back_inserter(out), "  {:<20}   source: {}; see {}\n", "", entry.info.source, entry.info.page);
+  }
+}
+
+void print_surfaces(fmt::memory_buffer& out) {
+  fmt::format_to(std::back_inserter(out), "surfaces\n");
+  for (const SurfaceEntry& entry : surface_registry()) {
+    fmt::format_to(std::back_inserter(out), "  {:<20} {}\n  {:<20}   parameters: {}; eps regions: {}; see {}\n",
+                   entry.name, entry.info.summary, "", fmt::join(entry.info.parameters, ", "),
+                   fmt::join(entry.info.regions, ", "), entry.info.page);
+    for (const FormulationInfo& formulation : entry.formulations) {
+      fmt::format_to(std::back_inserter(out), "  {:<20}   {} [{}]: {}\n", "", formulation.name,
+                     fmt::join(form_names(formulation.forms), ", "), formulation.summary);
+    }
+  }
+}
+
+void print_cases(fmt::memory_buffer& out) {
+  fmt::format_to(std::back_inserter(out), "cases\n");
+  for (const CaseFamily& family : case_families()) {
+    fmt::format_to(std::back_inserter(out), "  {:<20} {}\n  {:<20}   difficulty: {}\n", family.name, family.summary, "",
+                   family.difficulty);
+  }
+}
+
+struct ListOptions {
+  std::string what;
+  bool json = false;
+};
+
+void list(const ListOptions& options) {
+  const auto wanted = [&](std::string_view part) { return options.what.empty() || options.what == part; };
+  Output output;
+  if (options.json) {
+    Json all;
+    if (wanted("solvers")) all["solvers"] = solvers_json();
+    if (wanted("surfaces")) all["surfaces"] = surfaces_json();
+    if (wanted("cases")) all["cases"] = cases_json();
+    fmt::format_to(std::back_inserter(output.buffer()), "{}\n", all.dump(2));
+  } else {
+    if (wanted("solvers")) print_solvers(output.buffer());
+    if (wanted("surfaces")) print_surfaces(output.buffer());
+    if (wanted("cases")) print_cases(output.buffer());
+  }
+  output.flush();
+}
+
+}  // namespace
+
+Action add_list_command(CLI::App& app) {
+  CLI::App* const command = app.add_subcommand("list", "solvers, surfaces and case families of this build");
+  const auto options = std::make_shared<ListOptions>();
+  command->add_option("WHAT", options->what, "solvers, surfaces or cases; all if missing")
+      ->check(CLI::IsMember({"solvers", "surfaces", "cases"}));
+  command->add_flag("--json", options->json, "as JSON");
+  return [options] { list(*options); };
+}
+
+}  // namespace graze

@@ -1,0 +1,201 @@
+#include "specs.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "errors.hpp"
+#include "toml_values.hpp"
+
+namespace graze {
+namespace {
+
+/// Library errors about names and values are the user's usage errors.
+template <class Function>
+auto as_usage_error(const std::string& context, const Function& function) {
+  try {
+    return function();
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(context + error.what());
+  }
+}
+
+/// "key=value,key=value" in TOML syntax, through TOML's own inline tables.
+Parameters parse_assignments(std::string_view text, std::string_view owner) {
+  const std::string origin = fmt::format("'{}'", text);
+  if (text.find('\n') != std::string_view::npos) throw UsageError(origin + ": one line, please");
+  toml::table table;
+  try {
+    table = toml::parse(fmt::format("v = {{ {} }}", text));
+  } catch (const toml::parse_error& error) {
+    throw UsageError(fmt::format("{}: {} is not key=value,... in TOML syntax: {}", owner, origin, error.description()));
+  }
+  Parameters parameters;
+  for (const auto& [key, value] : *table["v"].as_table()) {
+    parameters.set(std::string(key.str()), toml_parameter(value, std::string(owner), std::string(key.str())));
+  }
+  return parameters;
+}
+
+std::pair<std::string_view, std::string_view> split_name(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string_view::npos) return {text, {}};
+  return {text.substr(0, colon), text.substr(colon + 1)};
+}
+
+std::string to_text(const ParameterValue& value) {
+  const auto list = [](const std::vector<double>& numbers) { return fmt::format("[{}]", fmt::join(numbers, ",")); };
+  if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
+  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
+  if (const auto* word = std::get_if<std::string>(&value)) return fmt::format("\"{}\"", *word);
+  if (const auto* numbers = std::get_if<std::vector<double>>(&value)) return list(*numbers);
+  std::vector<std::string> rows;
+  for (const auto& row : std::get<std::vector<std::vector<double>>>(value)) rows.push_back(list(row));
+  return fmt::format("[{}]", fmt::join(rows, ","));
+}
+
+// ------------------------------------------------------------------------------------------------- scenes
+
+Vec3 to_vec3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+Mat3 read_matrix(const toml::node& node, const std::string& file) {
+  const toml::array* const rows = node.as_array();
+  if (rows == nullptr || rows->size() != 3) {
+    throw UsageError(where(node, file, "matrix") + "expected 3 rows of 3 numbers");
+  }
+  return {to_vec3(toml_numbers((*rows)[0], file, "matrix", 3)), to_vec3(toml_numbers((*rows)[1], file, "matrix", 3)),
+          to_vec3(toml_numbers((*rows)[2], file, "matrix", 3))};
+}
+
+std::string read_word(const toml::node& node, const std::string& file, const std::string& field) {
+  if (const auto text = node.value<std::string>()) return *text;
+  throw UsageError(where(node, file, field) + "expected a string");
+}
+
+/// One [[surface]]: the fields every surface has, and its parameters.
+SceneMember read_member(const toml::table& table, const std::string& file) {
+  SceneMember member;
+  for (const auto& [key, value] : table) {
+    const std::string field(key.str());
+    if (field == "type") {
+      member.surface.type = read_word(value, file, field);
+    } else if (field == "name") {
+      member.surface.name = read_word(value, file, field);
+    } else if (field == "solver") {
+      member.solver = read_word(value, file, field);
+    } else if (field == "formulation") {
+      member.formulation = read_word(value, file, field);
+    } else if (field == "translate") {
+      member.surface.placement.translate = to_vec3(toml_numbers(value, file, field, 3));
+    } else if (field == "matrix") {
+      member.surface.placement.matrix = read_matrix(value, file);
+    } else if (field == "eps") {
+      const toml::table* const eps = value.as_table();
+      if (eps == nullptr) throw UsageError(where(value, file, field) + "expected a table region = number");
+      for (const auto& [region, number] : *eps) {
+        member.surface.eps[std::string(region.str())] = toml_number(number, file, "eps." + std::string(region.str()));
+      }
+    } else {
+      member.surface.parameters.set(field, toml_parameter(value, file, field));
+    }
+  }
+  if (member.surface.type.empty()) throw UsageError(where(table, file, "type") + "missing");
+  // Build it once, so that a bad value is reported with the surface's place in the file.
+  as_usage_error(where(table, file, "surface"), [&] { return find_surface(member.surface.type).make(member.surface); });
+  return member;
+}
+
+}  // namespace
+
+SurfaceSpec parse_surface(std::string_view text) {
+  const auto [name, assignments] = split_name(text);
+  SurfaceSpec spec;
+  spec.type = std::string(name);
+  as_usage_error("", [&, type = name] { return &find_surface(type); });
+  spec.parameters = parse_assignments(assignments, name);
+  as_usage_error(fmt::format("surface {}: ", name), [&] { return find_surface(spec.type).make(spec); });
+  return spec;
+}
+
+std::string surface_label(const SurfaceSpec& spec) {
+  std::vector<std::string> parts;
+  for (const auto& [key, value] : spec.parameters.values()) parts.push_back(key + "=" + to_text(value));
+  return parts.empty() ? spec.type : fmt::format("{}:{}", spec.type, fmt::join(parts, ","));
+}
+
+SolverSpec parse_solver(std::string_view text) {
+  const auto [name, assignments] = split_name(text);
+  SolverSpec spec;
+  spec.name = std::string(name);
+  spec.options_text = std::string(assignments);
+  spec.options = parse_assignments(assignments, name);
+  as_usage_error("", [&] { return find_solver(spec.name).make(spec.options); });
+  return spec;
+}
+
+std::vector<SolverSpec> parse_solver_list(std::string_view text) {
+  std::vector<std::string> parts;
+  std::size_t start = 0;
+  while (start <= text.size()) {
+    const std::size_t comma = std::min(text.find(',', start), text.size());
+    const std::string_view part = text.substr(start, comma - start);
+    const bool is_option = part.find('=') != std::string_view::npos && part.find(':') == std::string_view::npos;
+    if (is_option && !parts.empty()) {
+      parts.back() += "," + std::string(part);
+    } else {
+      parts.emplace_back(part);
+    }
+    start = comma + 1;
+  }
+  std::vector<SolverSpec> solvers;
+  for (const std::string& part : parts) solvers.push_back(parse_solver(part));
+  return solvers;
+}
+
+std::vector<SceneMember> read_scene(const std::string& path) {
+  const toml::table root = parse_toml_file(path);
+  const toml::node* const surfaces = root.get("surface");
+  const toml::array* const list = surfaces == nullptr ? nullptr : surfaces->as_array();
+  if (list == nullptr || list->empty()) throw UsageError(path + ": no [[surface]] in this scene");
+  std::vector<SceneMember> members;
+  for (const toml::node& node : *list) {
+    const toml::table* const table = node.as_table();
+    if (table == nullptr) throw UsageError(where(node, path, "surface") + "expected [[surface]] tables");
+    members.push_back(read_member(*table, path));
+  }
+  return members;
+}
+
+Scene build_scene(std::span<const SceneMember> members, const SolverSpec& solver) {
+  Scene scene;
+  for (const SceneMember& member : members) {
+    const SolverSpec chosen = member.solver.empty() ? solver : parse_solver(member.solver);
+    const std::string& formulation = member.formulation.empty() ? solver.formulation : member.formulation;
+    as_usage_error("", [&] {
+      scene.add(Intersector(find_surface(member.surface.type), member.surface, find_solver(chosen.name),
+                            chosen.options, formulation));
+      return 0;
+    });
+  }
+  return scene;
+}
+
+SurfaceSpec scaled(const SurfaceSpec& spec, double factor) {
+  SurfaceSpec result = spec;
+  for (const std::string_view length : find_surface(spec.type).info.lengths) {
+    ParameterValue value = spec.parameters.values().at(std::string(length));
+    const auto scale = [factor](auto& v, const auto& self) -> void {
+      if constexpr (std::is_same_v<std::decay_t<decltype(v)>, double>) {
+        v *= factor;
+      } else if constexpr (requires { v.begin(); } && !std::is_same_v<std::decay_t<decltype(v)>, std::string>) {
+        for (auto& entry : v) self(entry, self);
+      }
+    };
+    std::visit([&](auto& v) { scale(v, scale); }, value);
+    result.parameters.set(std::string(length), std::move(value));
+  }
+  result.placement.translate = factor * result.placement.translate;
+  return result;
+}
+
+}  // namespace graze

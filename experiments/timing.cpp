@@ -1,0 +1,108 @@
+#include "timing.hpp"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+namespace graze {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Rays between two looks at the clock: its 20 ns are nothing beside them, and a slow solver stops in time.
+constexpr std::size_t kStep = 32;
+
+TimingSample run_once(const Contestant& contestant, double budget, Scene::Workspace& work, HitBuffer& hits) {
+  TimingSample sample;
+  const auto start = Clock::now();
+  double seconds = 0;
+  for (const TimedGroup& group : contestant.groups) {
+    for (std::size_t i = 0; i < group.rays.size() && !sample.censored; ) {
+      // Fast solvers get whole blocks, as in real use; the first step tells which kind this one is.
+      const bool fast = sample.rays > 0 && seconds / static_cast<double>(sample.rays) < 1e-5;
+      const std::size_t step = std::min(fast ? Scene::kBlock : kStep, group.rays.size() - i);
+      hits.clear();
+      group.scene->intersect(group.rays.subspan(i, step), contestant.query, {}, work, hits);
+      i += step;
+      sample.rays += step;
+      seconds = std::chrono::duration<double>(Clock::now() - start).count();
+      sample.censored = seconds > budget;
+    }
+  }
+  sample.ns_per_ray = 1e9 * seconds / static_cast<double>(std::max<std::size_t>(sample.rays, 1));
+  std::size_t all = 0;
+  for (const TimedGroup& group : contestant.groups) all += group.rays.size();
+  sample.censored = sample.rays < all;
+  return sample;
+}
+
+}  // namespace
+
+void time_contestants(std::span<const Contestant> contestants, const TimingOptions& options,
+                      const std::function<bool(const TimingSample&)>& done) {
+  std::vector<std::pair<std::size_t, int>> order;
+  for (int repeat = -1; repeat < options.repeats; ++repeat) {
+    for (std::size_t i = 0; i < contestants.size(); ++i) order.emplace_back(i, repeat);
+  }
+  // Fisher-Yates on the counted turns; the warm-up turns (repeat -1) stay first.
+  Rng rng(options.seed);
+  for (std::size_t i = order.size(); i > contestants.size() + 1; --i) {
+    const std::size_t span = i - contestants.size();
+    std::swap(order[i - 1], order[contestants.size() + rng.next() % span]);
+  }
+  std::vector<Scene::Workspace> work(contestants.size());
+  HitBuffer hits;
+  for (std::size_t turn = 0; turn < order.size(); ++turn) {
+    const auto [index, repeat] = order[turn];
+    // A warm-up needs one block only: it fills memory pools and the branch predictors.
+    const double budget = repeat < 0 ? 0.1 * options.budget_seconds : options.budget_seconds;
+    TimingSample sample = run_once(contestants[index], budget, work[index], hits);
+    if (repeat < 0) continue;
+    sample.contestant = index;
+    sample.repeat = repeat;
+    sample.turn = turn - contestants.size();
+    if (!done(sample)) return;
+  }
+}
+
+PinnedCore::PinnedCore() {
+  cpu_set_t before;
+  CPU_ZERO(&before);
+  const int core = sched_getcpu();
+  if (core < 0 || sched_getaffinity(0, sizeof before, &before) != 0) {
+    warning_ = "could not pin the timing pass to one core";
+    return;
+  }
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  CPU_SET(static_cast<std::size_t>(core), &one);
+  if (sched_setaffinity(0, sizeof one, &one) != 0) {
+    warning_ = "could not pin the timing pass to one core";
+    return;
+  }
+  previous_.resize(sizeof before);
+  std::memcpy(previous_.data(), &before, sizeof before);
+}
+
+PinnedCore::~PinnedCore() {
+  if (previous_.empty()) return;
+  cpu_set_t before;
+  std::memcpy(&before, previous_.data(), sizeof before);
+  sched_setaffinity(0, sizeof before, &before);
+}
+
+Spread spread(std::vector<double> samples) {
+  if (samples.empty()) return {};
+  std::sort(samples.begin(), samples.end());
+  const auto rank = [&](double q) {
+    const auto n = static_cast<double>(samples.size());
+    return samples[static_cast<std::size_t>(std::max(0.0, std::ceil(q * n) - 1))];
+  };
+  return {samples.front(), rank(0.5), rank(0.9)};
+}
+
+}  // namespace graze
