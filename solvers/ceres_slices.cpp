@@ -92,6 +92,7 @@ ceres::Solver::Options solver_options() {
   options.function_tolerance = kNegligible;
   options.gradient_tolerance = kNegligible;
   options.parameter_tolerance = kParameterTolerance;
+  options.max_num_consecutive_invalid_steps = CeresSlices::kIterations;  // the iteration budget is the limit
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
   return options;
@@ -133,6 +134,7 @@ void minimize_tiny(const Residual& residual, Vector& x, Counters& counters) {
   solver.options.max_num_iterations = CeresSlices::kIterations;
   solver.options.gradient_tolerance = kNegligible;
   solver.options.parameter_tolerance = kParameterTolerance;
+  solver.options.function_tolerance = kNegligible;
   solver.options.cost_threshold = 0;
   Eigen::Matrix<double, Residual::kUnknowns, 1> parameters;
   std::copy_n(x.begin(), Residual::kUnknowns, parameters.data());
@@ -214,7 +216,7 @@ void CeresSlices::solve(const ScalarEquation& equation, Roots& roots) const {
         const double inside = std::clamp(x[0], equation.lo, equation.hi);
         const Jet jet = equation(inside);
         root = slices::root_of_scalar(inside, jet);
-        return slices::is_root(jet);
+        return slices::is_root(inside, jet);
       });
 }
 

@@ -23,8 +23,7 @@ bool iterate(const SystemEquation& equation, Vector x, Root& root, Counters& cou
     last = residual;
     Vector move{};
     if (!slices::solve_linear(jacobian, f, equation.unknowns, move)) break;
-    for (std::size_t i = 0; i < n; ++i) x[i] -= move[i];
-    slices::clamp(equation, x);
+    for (std::size_t i = 0; i < n; ++i) x[i] = slices::step_inside(x[i], -move[i], equation.lo[i], equation.hi[i]);
     ++counters.iterations;
   }
   if (!slices::is_root(equation, f)) return false;
@@ -43,16 +42,16 @@ bool iterate(const ScalarEquation& equation, double x, Root& root, Counters& cou
   ++counters.evaluations;
   for (int step = 0; step < NewtonSlices::kSteps; ++step) {
     if (jet.df == 0 || !std::isfinite(jet.f)) break;
-    const double next = std::clamp(x - jet.f / jet.df, equation.lo, equation.hi);
+    const double next = slices::step_inside(x, -jet.f / jet.df, equation.lo, equation.hi);
     if (next == x) break;
     const Jet there = equation(next);
     ++counters.evaluations;
     ++counters.iterations;
-    if (slices::is_root(jet) && std::fabs(there.f) >= std::fabs(jet.f)) break;
+    if (slices::is_root(x, jet) && std::fabs(there.f) >= std::fabs(jet.f)) break;
     x = next;
     jet = there;
   }
-  if (!slices::is_root(jet)) return false;
+  if (!slices::is_root(x, jet)) return false;
   root = slices::root_of_scalar(x, jet);
   if (root.multiplicity == 2 && jet.ddf != 0) root.x = vertex(x, jet, equation);
   return std::isfinite(root.x);

@@ -73,14 +73,16 @@ inline Root root_of_system(const SystemEquation& equation, const Vector& x, cons
 inline bool is_root(const SystemEquation& equation, const Vector& f) {
   return max_norm(f, equation.unknowns) <= kNoise * kU * equation.residual_scale;
 }
-inline bool is_root(const Jet& jet) { return std::fabs(jet.f) <= 4 * jet.f_error; }
+/// What |f| may be at a double next to a root: the rounding of f, and what the spacing of x itself leaves.
+inline double noise(double x, const Jet& jet) { return 4 * (jet.f_error + kU * std::fabs(x * jet.df)); }
+inline bool is_root(double x, const Jet& jet) { return std::fabs(jet.f) <= noise(x, jet); }
 
 /// The root at a converged x of a scalar equation. It touches where f' is too small to tell two roots apart:
 /// f'^2 <= 2 |f''| noise, when the parabola through the point has its roots within noise of each other.
 inline Root root_of_scalar(double x, const Jet& jet) {
-  const double noise = 4 * jet.f_error;
-  const bool touching = jet.df * jet.df <= 2 * std::fabs(jet.ddf) * noise;
-  const double radius = touching ? 2 * std::sqrt(2 * noise / std::fabs(jet.ddf)) : noise / std::fabs(jet.df);
+  const double open = noise(x, jet);
+  const bool touching = jet.df * jet.df <= 2 * std::fabs(jet.ddf) * open;
+  const double radius = touching ? 2 * std::sqrt(2 * open / std::fabs(jet.ddf)) : open / std::fabs(jet.df);
   return {.x = x, .others = {}, .radius = radius, .multiplicity = touching ? 2U : 1U};
 }
 
@@ -119,6 +121,15 @@ inline void clamp(const SystemEquation& equation, Vector& x) {
     const auto k = static_cast<std::size_t>(i);
     x[k] = std::clamp(x[k], equation.lo[k], equation.hi[k]);
   }
+}
+
+/// A step from x that would leave [lo, hi] goes half the way to the bound instead: the end itself may be
+/// singular (a pole, where theta has no meaning), and half steps reach it as well if the root is there.
+inline double step_inside(double x, double step, double lo, double hi) {
+  const double next = x + step;
+  if (next < lo) return 0.5 * (x + lo);
+  if (next > hi) return 0.5 * (x + hi);
+  return next;
 }
 
 }  // namespace graze::slices

@@ -8,6 +8,7 @@
 #include <span>
 #include <type_traits>
 
+#include <graze/solvers/math/double_double.hpp>
 #include <graze/solvers/math/interval.hpp>
 #include <graze/surfaces/equation_block.hpp>
 #include <graze/surfaces/local_ray.hpp>
@@ -31,8 +32,12 @@ template <class T>
 std::array<T, 3> recentred_point(const LocalRay& ray) {
   if constexpr (std::is_same_v<T, Interval>) {
     if (ray.centre == 0) return {point(ray.o.x), point(ray.o.y), point(ray.o.z)};
-    const Interval l = point(ray.centre);
-    return {point(ray.o.x) + l * ray.d.x, point(ray.o.y) + l * ray.d.y, point(ray.o.z) + l * ray.d.z};
+    // The product exactly, so that only what is left after the large parts cancel is rounded.
+    const auto coordinate = [&](double o, double d) {
+      const DoubleDouble product = two_prod(ray.centre, d);
+      return (point(o) + point(product.hi)) + point(product.lo);
+    };
+    return {coordinate(ray.o.x, ray.d.x), coordinate(ray.o.y, ray.d.y), coordinate(ray.o.z, ray.d.z)};
   } else {
     return {ray.p.x, ray.p.y, ray.p.z};
   }

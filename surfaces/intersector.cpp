@@ -165,7 +165,7 @@ void Scene::answer_block(std::span<const Ray> rays, Query query, Wanted wanted, 
 
 void Scene::collect(std::uint32_t surface, Intersector::Workspace& member, std::vector<SceneHit>& hits) {
   for (const LocalHit& hit : member.hits) {
-    if (hit.behind_or_ahead) {  // proved to be a hit of the line, not of the ray
+    if (hit.in_doubt) {  // proved to be a hit of the line, but not where on the ray
       member.status[hit.ray] = worse(member.status[hit.ray], Status::uncertain);
       continue;
     }

@@ -191,7 +191,8 @@ struct System {
     equation.lo = {ray.lo, 0, -kInfinity};
     equation.hi = {ray.hi, 1, kInfinity};
     equation.period = {0, 0, 2 * std::numbers::pi};
-    equation.residual_scale = std::max({bounds.radius, std::fabs(bounds.y_lo), std::fabs(bounds.y_hi)});
+    equation.residual_scale =
+        std::max({bounds.radius, std::fabs(bounds.y_lo), std::fabs(bounds.y_hi), max_abs(ray.p)});
     equation.max_roots = profile.max_hits();
     equation.seed = ray.seed();
     block.pose(equation);

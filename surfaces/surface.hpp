@@ -26,7 +26,7 @@ struct LocalHit {
   std::uint32_t multiplicity = 1;
   double delta = 0;  ///< l - centre of its LocalRay
   double t = 0;
-  bool behind_or_ahead = false;  ///< a certified root whose enclosure does not tell the sign of l
+  bool in_doubt = false;  ///< a proved root whose enclosure does not locate the hit: see SurfaceModel::in_doubt
 };
 
 /// Normal and parameters of a hit in object space.
@@ -165,9 +165,10 @@ class SurfaceModel final : public AnySurface {
         for (const Root& root : roots[i].list) {
           const std::size_t first = hits.size();
           f.lift(rays[posed.ray], posed, root, hits);
-          for (std::size_t h = first; h < hits.size(); ++h) {
+          const std::size_t last = hits.size();
+          for (std::size_t h = first; h < last; ++h) {
             hits[h].ray = posed.ray;
-            if (root.certified) hits[h].behind_or_ahead = near_origin(f, rays[posed.ray], posed, root, hits[h]);
+            if (root.certified) hits[h].in_doubt = in_doubt(f, rays[posed.ray], posed, root, h, hits);
           }
         }
       }
@@ -200,26 +201,30 @@ class SurfaceModel final : public AnySurface {
     if (!found) throw std::logic_error("graze: formulation index out of range");
   }
 
-  /// Could the hit lie on either side of the ray's origin? Lifts the ends of the root's enclosure and allows
-  /// for the rounding of the lift, about 16 operations on terms of size |centre| and 1 (local units).
+  /// A root is proved within its enclosure, the hit within the enclosure's image: the lifted ends, and the
+  /// rounding of the lift (16 operations on terms of size |centre| and 1, in local units). In doubt if the
+  /// image reaches to both sides of the ray's origin, or is wider than kLocated: then the solver knows that
+  /// there is a hit of the line, but not where.
   template <class F>
-  static bool near_origin(const F& f, const LocalRay& ray, const Posed& posed, const Root& root,
-                          const LocalHit& hit) {
-    const double noise = 0x1p-48 * (1 + std::fabs(ray.centre));
-    const double l = ray.centre + hit.delta;
-    if (std::fabs(l) > 0x1p-8 * (1 + std::fabs(ray.centre))) return false;  // far from it: no need to look
-    double lo = l, hi = l;
+  static bool in_doubt(const F& f, const LocalRay& ray, const Posed& posed, const Root& root, std::size_t h,
+                       std::vector<LocalHit>& hits) {
+    constexpr double kLocated = 0x1p-22;  // four times the default grazing epsilon, the widest that a root has
+    const double scale = 1 + std::fabs(ray.centre);
+    const double noise = 0x1p-49 * scale;
+    double lo = hits[h].delta - noise;
+    double hi = hits[h].delta + noise;
+    const std::size_t size = hits.size();
     for (const double end : {-root.radius, root.radius}) {
       Root moved = root;
       moved.x += end;
-      std::vector<LocalHit> lifted;
-      f.lift(ray, posed, moved, lifted);
-      for (const LocalHit& other : lifted) {
-        lo = std::min(lo, ray.centre + other.delta);
-        hi = std::max(hi, ray.centre + other.delta);
-      }
+      f.lift(ray, posed, moved, hits);
     }
-    return lo <= noise && hi >= -noise;
+    for (std::size_t i = size; i < hits.size(); ++i) {
+      lo = std::min(lo, hits[i].delta - noise);
+      hi = std::max(hi, hits[i].delta + noise);
+    }
+    hits.resize(size);
+    return !(hi - lo <= kLocated * scale) || (lo <= -ray.centre && hi >= -ray.centre);
   }
 
   S surface_;

@@ -101,10 +101,10 @@ struct AlongRay {
       : m(profile.m), top(6 * m), top_tail(std::fma(6.0, m, -top)), ray(local) {}
 
   void prepare_intervals() {
-    const auto exact = [&](double o, double d) { return point(o) + point(ray.centre) * point(d); };
-    px = exact(ray.o.x, ray.d.x);
-    py = exact(ray.o.y, ray.d.y);
-    pz = exact(ray.o.z, ray.d.z);
+    const auto [x, y, z] = recentred_point<Interval>(ray);
+    px = x;
+    py = y;
+    pz = z;
     slope = px * point(ray.d.x) + pz * point(ray.d.z);
     curvature = sqr(point(ray.d.x)) + sqr(point(ray.d.z));
   }
