@@ -96,47 +96,41 @@ class Search {
     roots_.list.push_back({.x = x, .others = {}, .radius = 0, .multiplicity = 1, .certified = true});
   }
 
-  /// Bisects x, which holds exactly one root, down to its epsilon. The slope is looked at again whenever x
-  /// is narrow enough for the last look: on a shorter interval it may no longer be shallow.
+  /// Bisects x, which holds exactly one root, down to its part's epsilon, or as far as the signs can be told.
   void refine(Interval x, Sign lo) {
-    double eps = std::numeric_limits<double>::infinity();
-    while (true) {
-      if (width(x) <= eps) {
-        const double sharper = epsilon(x, function_.derivative(x));
-        ++roots_.counters.evaluations;
-        if (sharper >= eps) break;
-        eps = sharper;
-        continue;
-      }
+    const double eps = part_epsilon(x);
+    while (width(x) > eps) {
       const double m = mid(x);
       if (m <= x.lo || m >= x.hi) break;  // neighbouring doubles
       ++roots_.counters.iterations;
       const Sign at_m = sign(value(point(m)));
       if (at_m == Sign::unknown) {
-        add_root(around(m, eps, x, lo), eps);
-        return;
+        x = window(m, eps, x, lo);
+        break;
       }
       (at_m == lo ? x.lo : x.hi) = m;
     }
-    add_root(x, eps);
-  }
-
-  /// f(m) is zero within rounding: a window about m holds the root if the signs at its ends say so. Three
-  /// quarters of eps wide, so that the rounding of its ends cannot make it wider than eps.
-  Interval around(double m, double eps, Interval x, Sign lo) {
-    const double a = m - 0.375 * eps;
-    const double b = m + 0.375 * eps;
-    if (a > x.lo && sign(value(point(a))) == lo) x.lo = a;
-    const Sign at_b = b < x.hi ? sign(value(point(b))) : Sign::unknown;
-    if (at_b != Sign::unknown && at_b != lo) x.hi = b;
-    return x;
-  }
-
-  void add_root(Interval x, double eps) {
     const double centre = mid(x);
     const double radius = std::max(sub_up(x.hi, centre), sub_up(centre, x.lo));
     roots_.list.push_back({.x = centre, .others = {}, .radius = radius, .multiplicity = 1, .certified = true});
-    if (width(x) > eps && std::nextafter(x.lo, x.hi) < x.hi) roots_.status = Status::uncertain;
+    const bool neighbours = std::nextafter(x.lo, x.hi) >= x.hi;
+    if (width(x) > std::max(eps, grazing_epsilon()) && !neighbours) roots_.status = Status::uncertain;
+  }
+
+  /// f(m) is zero within rounding: the smallest window about m, from eps up, whose ends have signs that prove
+  /// the root inside. Where the slope is shallow rounding hides the signs further out: up to the grazing eps.
+  /// Three quarters of the size aimed at, so that the rounding of the ends cannot make it wider.
+  Interval window(double m, double eps, Interval x, Sign lo) {
+    const double widest = std::max(eps, grazing_epsilon());
+    for (double size = eps; size <= widest; size *= 4) {
+      const double a = m - 0.375 * size;
+      const double b = m + 0.375 * size;
+      if (a > x.lo && sign(value(point(a))) == lo) x.lo = a;
+      const Sign at_b = b < x.hi ? sign(value(point(b))) : Sign::unknown;
+      if (at_b != Sign::unknown && at_b != lo) x.hi = b;
+      if (width(x) <= size) break;
+    }
+    return x;
   }
 
   void split(Interval x) {
@@ -160,17 +154,21 @@ class Search {
     return mid(x);
   }
 
-  /// The epsilon that holds on x: its part's, or the grazing one where the slope is shallow or has a zero.
+  /// The width below which x is given up: its part's, or the grazing one where the slope may vanish.
   [[nodiscard]] double epsilon(Interval x, Interval slope) const {
+    const double eps = part_epsilon(x);
+    return mig(slope) > epsilons_.shallow ? eps : std::max(eps, grazing_epsilon());
+  }
+  [[nodiscard]] double part_epsilon(Interval x) const {
     double eps = IntervalBisection::kDefaultEps * scale_;
     for (const Region& part : epsilons_.parts) {
       eps = part.eps;
       if (mid(x) <= part.end) break;
     }
-    if (mig(slope) > epsilons_.shallow) return eps;
-    const double grazing = epsilons_.grazing_eps > 0 ? epsilons_.grazing_eps
-                                                     : IntervalBisection::kDefaultGrazingEps * scale_;
-    return std::max(eps, grazing);
+    return eps;
+  }
+  [[nodiscard]] double grazing_epsilon() const {
+    return epsilons_.grazing_eps > 0 ? epsilons_.grazing_eps : IntervalBisection::kDefaultGrazingEps * scale_;
   }
 
   const Function& function_;

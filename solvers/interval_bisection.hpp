@@ -6,8 +6,9 @@
 //           uncertain: an interval could neither be proved empty nor shown to hold exactly one root within its
 //           epsilon (touching roots always end here); the listed roots are proved still;
 //           coincident for the zero polynomial
-// error     radius <= eps / 2 of the root's region (Epsilons), proved; default where the equation brings none:
-//           kDefaultEps, grazing kDefaultGrazingEps, times the largest |x| asked for
+// error     radius proved; at most half the root's region's eps (Epsilons), or half the grazing eps where the
+//           slope is so shallow that rounding hides the signs within the former. Defaults where the equation
+//           brings none: kDefaultEps and kDefaultGrazingEps, times the largest |x| asked for
 // cost      about 2 evaluations a bisection, log2(length/eps) bisections a root and more near a grazing one;
 //           at most `budget` evaluations; no allocation after warm-up
 // source    Moore, Kearfott, Cloud, "Introduction to Interval Analysis", SIAM 2009, ch. 5 and 8; per-region
