@@ -14,6 +14,9 @@ add_library(graze_flags INTERFACE)
 target_compile_options(graze_flags INTERFACE
   -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wdouble-promotion
   $<$<BOOL:${GRAZE_WERROR}>:-Werror>)
+# g++ 12 warns of an overlap inside std::string's own operator+ ("text" + std::string&&; GCC bug 105651).
+target_compile_options(graze_flags INTERFACE
+  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>)
 
 set_property(GLOBAL PROPERTY GRAZE_COMPONENTS "")
 set_property(GLOBAL PROPERTY GRAZE_SOLVER_LIST "")
@@ -23,6 +26,12 @@ set_property(GLOBAL PROPERTY GRAZE_REGISTRY_LIBRARIES "")
 # graze_library(NAME [SOURCES ...]): static library graze_NAME, alias and installed target graze::NAME.
 function(graze_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES" ${ARGN})
+  # A component whose methods are all left out is still a library.
+  if(NOT ARG_SOURCES)
+    set(ARG_SOURCES ${PROJECT_BINARY_DIR}/generated/${name}.cpp)
+    file(WRITE ${ARG_SOURCES}.in "// Generated: the methods of graze::${name} are in their own files.\n")
+    configure_file(${ARG_SOURCES}.in ${ARG_SOURCES} COPYONLY)
+  endif()
   add_library(graze_${name} STATIC ${ARG_SOURCES})
   add_library(graze::${name} ALIAS graze_${name})
   set_target_properties(graze_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
@@ -93,11 +102,24 @@ function(graze_registry_lines kind folder list out_includes out_entries)
   set(${out_entries} "${entries}" PARENT_SCOPE)
 endfunction()
 
+# Refuses a name in the cache list VARIABLE ("all" or names) that LIST does not have.
+function(graze_check_names variable list)
+  foreach(name ${${variable}})
+    if(NOT name STREQUAL "all" AND NOT name IN_LIST list)
+      string(REPLACE ";" ", " listed "${list}")
+      message(FATAL_ERROR "${variable}: '${name}' is not in this build (of the names given, it has: ${listed}). "
+                          "The lists are in solvers/CMakeLists.txt and surfaces/CMakeLists.txt.")
+    endif()
+  endforeach()
+endfunction()
+
 # The registry: one generated source that names every method of the lists. No static initialisers.
 function(graze_generate_registry)
   get_property(solvers GLOBAL PROPERTY GRAZE_SOLVER_LIST)
   get_property(surfaces GLOBAL PROPERTY GRAZE_SURFACE_LIST)
   get_property(libraries GLOBAL PROPERTY GRAZE_REGISTRY_LIBRARIES)
+  graze_check_names(GRAZE_SOLVERS "${solvers}")
+  graze_check_names(GRAZE_SURFACES "${surfaces}")
   list(REMOVE_DUPLICATES libraries)
   graze_registry_lines(solver solvers "${solvers}" SOLVER_INCLUDES SOLVER_ENTRIES)
   graze_registry_lines(surface surfaces "${surfaces}" SURFACE_INCLUDES SURFACE_ENTRIES)

@@ -176,6 +176,7 @@ Action add_bench_command(CLI::App& app) {
       ->type_name("NAME");
   add_precision_option(*command, options->precision);
   add_query_option(*command, options->query);
+  command->get_option("--query")->description("all hits, the first hit, or any one hit (default first)");
   command->add_option("--rays", options->rays, "rays (default 8192: resident in the L2 cache)")->check(CLI::Range(1, 100000000));
   command->add_option("--judge", options->judged, "rays judged against truth (default 1000)")->check(CLI::Range(0, 100000000));
   command->add_option("--repeats", options->repeats, "counted turns of each solver (default 15)")->check(CLI::Range(1, 100000));

@@ -104,7 +104,7 @@ struct JsonParser::Implementation {
     if (value.get_array().get(list) != simdjson::SUCCESS) return false;
     for (auto entry : list) {
       ondemand::value item;
-      if (std::move(entry).get(item) != simdjson::SUCCESS) return false;
+      if (entry.get(item) != simdjson::SUCCESS) return false;
       const auto parsed = number(item);
       if (!parsed) return false;
       out.push_back(*parsed);

@@ -17,6 +17,8 @@ auto as_usage_error(const std::string& context, const Function& function) {
     return function();
   } catch (const std::invalid_argument& error) {
     throw UsageError(context + error.what());
+  } catch (const UsageError& error) {
+    throw UsageError(context + error.what());
   }
 }
 
@@ -72,6 +74,16 @@ std::string read_word(const toml::node& node, const std::string& file, const std
   throw UsageError(where(node, file, field) + "expected a string");
 }
 
+/// Complains about a formulation that the surface does not have, at its place in the file.
+void check_formulation(const SceneMember& member, const std::string& place) {
+  std::vector<std::string_view> known;
+  for (const FormulationInfo& formulation : find_surface(member.surface.type).formulations) {
+    if (formulation.name == member.formulation) return;
+    known.push_back(formulation.name);
+  }
+  throw UsageError(place + unknown_name_message("formulation of " + member.surface.type, member.formulation, known));
+}
+
 /// One [[surface]]: the fields every surface has, and its parameters.
 SceneMember read_member(const toml::table& table, const std::string& file) {
   SceneMember member;
@@ -83,6 +95,7 @@ SceneMember read_member(const toml::table& table, const std::string& file) {
       member.surface.name = read_word(value, file, field);
     } else if (field == "solver") {
       member.solver = read_word(value, file, field);
+      as_usage_error(where(value, file, field), [&] { return parse_solver(member.solver); });
     } else if (field == "formulation") {
       member.formulation = read_word(value, file, field);
     } else if (field == "translate") {
@@ -102,6 +115,9 @@ SceneMember read_member(const toml::table& table, const std::string& file) {
   if (member.surface.type.empty()) throw UsageError(where(table, file, "type") + "missing");
   // Build it once, so that a bad value is reported with the surface's place in the file.
   as_usage_error(where(table, file, "surface"), [&] { return find_surface(member.surface.type).make(member.surface); });
+  if (const toml::node* const node = table.get("formulation")) {
+    check_formulation(member, where(*node, file, "formulation"));
+  }
   return member;
 }
 

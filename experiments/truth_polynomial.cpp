@@ -684,8 +684,9 @@ void refine(Root& root, long k) {
     }
     root.m = root_is_right ? first : second;
     root.k = finer;
-    left = root_is_right ? std::move(at_first) : std::move(at_second);
-    right = root_is_right ? std::move(at_second) : std::move(at_first);
+    if (!root_is_right) std::swap(at_first, at_second);
+    left = std::move(at_first);
+    right = std::move(at_second);
     root.step = std::max(root.step, 2 * step);
   }
 }

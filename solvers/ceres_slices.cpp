@@ -29,10 +29,11 @@ struct ScalarResidual {
   static constexpr int kUnknowns = 1;
   const ScalarEquation& equation;
 
-  /// Ceres may try points outside the bounds; f is asked inside only.
+  /// Beyond the bounds, where a minimiser may try, f goes on along its tangent at the end.
   void operator()(const double* x, double* f, Matrix* jacobian) const {
-    const Jet jet = equation(std::clamp(x[0], equation.lo, equation.hi));
-    f[0] = jet.f;
+    const double inside = std::clamp(x[0], equation.lo, equation.hi);
+    const Jet jet = equation(inside);
+    f[0] = jet.f + jet.df * (x[0] - inside);
     if (jacobian != nullptr) (*jacobian)[0][0] = jet.df;
   }
 };

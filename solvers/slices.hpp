@@ -82,7 +82,7 @@ inline bool is_root(double x, const Jet& jet) { return std::fabs(jet.f) <= noise
 inline Root root_of_scalar(double x, const Jet& jet) {
   const double open = noise(x, jet);
   const bool touching = jet.df * jet.df <= 2 * std::fabs(jet.ddf) * open;
-  const double radius = touching ? 2 * std::sqrt(2 * open / std::fabs(jet.ddf)) : open / std::fabs(jet.df);
+  const double radius = touching ? 2 * std::sqrt(2 * open / std::fabs(jet.ddf)) : 2 * open / std::fabs(jet.df);
   return {.x = x, .others = {}, .radius = radius, .multiplicity = touching ? 2U : 1U};
 }
 

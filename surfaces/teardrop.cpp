@@ -17,6 +17,7 @@ std::array<Region, TeardropRegions::kParts> regions_in_t(const TeardropRegions& 
 }
 
 /// The widest-circle parameter (sqrt 7 - 1)/3 = 0.548583770354863530... lies inside.
+constexpr double kWidest = 1.8933909283226967;  // (14 sqrt 7 - 20)/9 rounded up
 constexpr Interval kEquator{0.5485837703548635, 0.5485837703548636};
 
 // ---------------------------------------------------------------------------------------- the sextics in t
@@ -87,18 +88,46 @@ void lift_from_t(const TeardropProfile& profile, const LocalRay& ray, double y, 
 
 // ------------------------------------------------------------------------------------------- F along the ray
 
-/// One ray's F(delta) = R^2 - |p_xz|^2, for points and for intervals.
+/// Enclosures of the profile at a height y in [0, 6m].
+struct HeightProfile {
+  double m;
+
+  [[nodiscard]] Interval six_m() const { return point(6) * point(m); }
+  [[nodiscard]] Interval parameter(double y) const {
+    const Interval v = point(y) / six_m();
+    return sqrt(Interval{v.lo, std::min(1.0, v.hi)});
+  }
+  /// (1 - t)(2 + t) without cancellation: 1 - t = (6m - y) / (6m (1 + t)). Negative above the apex.
+  [[nodiscard]] Interval taper(double y, Interval t) const {
+    return (six_m() - point(y)) / (six_m() * (point(1) + t)) * (point(2) + t);
+  }
+  [[nodiscard]] Interval radius(double y) const {
+    const Interval t = parameter(y);
+    return point(3) * point(m) * t * taper(y, t);
+  }
+  /// 2 - 2t - 3t^2.
+  [[nodiscard]] static Interval turn(Interval t) { return point(2) - t * (point(2) + point(3) * t); }
+  /// R between two heights: it rises to the equator and falls behind it.
+  [[nodiscard]] Interval radius_between(double lo, double hi, Interval at_lo, Interval at_hi) const {
+    Interval r = hull(at_lo, at_hi);
+    if (parameter(lo).lo <= kEquator.hi && parameter(hi).hi >= kEquator.lo) r.hi = mul_up(kWidest, m);
+    return r;
+  }
+};
+
+/// One ray's F(delta) = R^2 - |p_xz|^2, for points and for intervals. See also AlongAxis.
 struct AlongRay {
   double m;
   double top;        ///< 6 m rounded
   double top_tail;   ///< 6 m - top
+  HeightProfile profile;
   LocalRay ray;
   Interval px, py, pz;  ///< the exact point at delta = 0
   Interval slope;       ///< (p . d)_xz
   Interval curvature;   ///< |d_xz|^2
 
-  AlongRay(const TeardropProfile& profile, const LocalRay& local)
-      : m(profile.m), top(6 * m), top_tail(std::fma(6.0, m, -top)), ray(local) {}
+  AlongRay(const TeardropProfile& curve, const LocalRay& local)
+      : m(curve.m), top(6 * m), top_tail(std::fma(6.0, m, -top)), profile{m}, ray(local) {}
 
   void prepare_intervals() {
     const auto [x, y, z] = recentred_point<Interval>(ray);
@@ -137,48 +166,83 @@ struct AlongRay {
     return jet;
   }
 
-  /// y over x, cut to the slab, and t = sqrt(y / 6m).
+  /// y over x, cut to the slab.
   [[nodiscard]] Interval height(Interval x) const {
     const Interval y = py + point(ray.d.y) * x;
-    const double highest = add_up(top, std::max(0.0, top_tail));
+    const double highest = profile.six_m().hi;
     return {std::clamp(y.lo, 0.0, highest), std::clamp(y.hi, 0.0, highest)};
   }
-  [[nodiscard]] Interval parameter(double y) const {
-    const Interval v = point(y) / (point(6) * point(m));
-    return sqrt(Interval{v.lo, std::min(1.0, v.hi)});
-  }
-  /// (1 - t)(2 + t) without cancellation: 1 - t = (6m - y) / (6m (1 + t)).
-  [[nodiscard]] Interval taper(double y, Interval t) const {
-    const Interval six_m = point(6) * point(m);
-    const Interval below = six_m - point(y);
-    return Interval{std::max(0.0, below.lo), std::max(0.0, below.hi)} / (six_m * (point(1) + t)) * (point(2) + t);
-  }
-  [[nodiscard]] Interval radius(double y) const {
-    const Interval t = parameter(y);
-    return point(3) * point(m) * t * taper(y, t);
-  }
-  /// 2 - 2t - 3t^2.
-  [[nodiscard]] static Interval turn(Interval t) { return point(2) - t * (point(2) + point(3) * t); }
-
-  /// R is unimodal in y: its range comes from the ends, and from the equator if that lies between.
   [[nodiscard]] Interval f(Interval x) const {
     const Interval y = height(x);
-    const Interval at_lo = radius(y.lo);
-    const Interval at_hi = radius(y.hi);
-    Interval r = hull(at_lo, at_hi);
-    if (parameter(y.lo).lo <= kEquator.hi && parameter(y.hi).hi >= kEquator.lo) {
-      r.hi = mul_up(1.8933909283226967, m);  // (14 sqrt 7 - 20)/9 rounded up
-    }
+    const Interval r = profile.radius_between(y.lo, y.hi, profile.radius(y.lo), profile.radius(y.hi));
     return sqr(r) - sqr(px + point(ray.d.x) * x) - sqr(pz + point(ray.d.z) * x);
   }
   /// Both factors of (R^2)' fall with t, so each has its range at the ends.
   [[nodiscard]] Interval df(Interval x) const {
     const Interval y = height(x);
-    const Interval t_lo = parameter(y.lo);
-    const Interval t_hi = parameter(y.hi);
-    const Interval tapering = hull(taper(y.lo, t_lo), taper(y.hi, t_hi));
-    const Interval turning = hull(turn(t_lo), turn(t_hi));
+    const Interval t_lo = profile.parameter(y.lo);
+    const Interval t_hi = profile.parameter(y.hi);
+    const Interval tapering = hull(profile.taper(y.lo, t_lo), profile.taper(y.hi, t_hi));
+    const Interval turning = hull(HeightProfile::turn(t_lo), HeightProfile::turn(t_hi));
     return point(1.5) * point(m) * tapering * turning * point(ray.d.y) - point(2) * (slope + curvature * x);
+  }
+};
+
+/// A ray parallel to the axis at distance u. R^2 - u^2 has (nearly) double zeros at the apex, R - u an
+/// infinite slope at the bottom. Intervals take R - u, continued beyond the poles with the other sign, so that a
+/// root at a pole is a change of sign like any other. Points take (R^2 - u^2) / (9/2 m (1 - v) + u), v = y/6m:
+/// like R - u near the apex, like R^2 - u^2 elsewhere, with the same zeros since the divisor is positive.
+struct AlongAxis {
+  HeightProfile profile;
+  LocalRay ray;
+  double u;             ///< rounded
+  Interval u_enclosed;
+  Interval py;
+
+  AlongAxis(const TeardropProfile& curve, const LocalRay& local)
+      : profile{curve.m}, ray(local), u(std::hypot(local.o.x, local.o.z)),
+        u_enclosed(sqrt(sqr(point(local.o.x)) + sqr(point(local.o.z)))), py(recentred_point<Interval>(local)[1]) {}
+
+  static Jet eval(const void* self, double delta) { return static_cast<const AlongAxis*>(self)->jet(delta); }
+  static Interval value(const void* self, Interval x) { return static_cast<const AlongAxis*>(self)->f(x); }
+  static Interval derivative(const void* self, Interval x) { return static_cast<const AlongAxis*>(self)->df(x); }
+
+  [[nodiscard]] Jet jet(double delta) const {
+    const double m = profile.m;
+    const double y = ray.at(delta).y;
+    const double v = y / (6 * m);
+    const double below_apex = (6 * m - y) / (6 * m);
+    const double t = std::sqrt(std::max(v, 0.0));
+    const double taper = below_apex / (1 + t) * (2 + t);
+    const double r = 3 * m * t * taper;
+    const double turn = 2 - t * (2 + 3 * t);
+    const double divisor = 4.5 * m * std::max(below_apex, 0.0) + u;
+    constexpr double kDivisorSlope = -0.75;  // by y: -9/2 m / 6m
+    // At the apex on the axis itself 0/0 has the limit 0, with the divisor's own slope.
+    if (divisor == 0) return {0, kDivisorSlope * ray.d.y, 0, 0};
+    const double squares = v < 0 ? 9 * m * m * v * taper * taper - u * u : (r - u) * (r + u);
+    const double squares_slope = 1.5 * m * taper * turn;
+    const double safe_t = std::max(t, 0x1p-200);
+    const double squares_bend = -0.25 * ((1 + 0.5 / safe_t) * turn + taper * (3 + 1 / safe_t));
+    Jet jet;
+    jet.f = squares / divisor;
+    const double slope = (squares_slope - jet.f * kDivisorSlope) / divisor;
+    jet.df = slope * ray.d.y;
+    jet.ddf = (squares_bend - 2 * slope * kDivisorSlope) / divisor * ray.d.y * ray.d.y;
+    const double r_error = 16 * kU * m * t;
+    jet.f_error = ((2 * r + r_error) * r_error + 4 * kU * u * u + 16 * kU * m * std::fabs(jet.f)) / divisor;
+    return jet;
+  }
+
+  [[nodiscard]] Interval radius(double y) const { return y < 0 ? -profile.radius(-y) : profile.radius(y); }
+  [[nodiscard]] Interval f(Interval x) const {
+    const Interval y = py + point(ray.d.y) * x;
+    return profile.radius_between(std::max(0.0, y.lo), std::max(0.0, y.hi), radius(y.lo), radius(y.hi)) - u_enclosed;
+  }
+  [[nodiscard]] Interval df(Interval x) const {
+    const Interval y = abs(py + point(ray.d.y) * x);
+    const Interval t = hull(profile.parameter(y.lo), profile.parameter(y.hi));
+    return HeightProfile::turn(t) / (point(4) * t) * point(ray.d.y);
   }
 };
 
@@ -273,12 +337,22 @@ FormulationInfo TeardropAlongRay::info() {
 
 void TeardropAlongRay::pose(const LocalRay& ray, EquationBlock& block) const {
   if (!revolution::is_usable(ray)) return block.settle(Status::failed);
-  AlongRay* const self = block.arena().make(AlongRay(profile, ray));
-  if (block.form() == Form::scalar) {
-    block.pose(ScalarEquation{self, &AlongRay::eval, ray.lo, ray.hi, profile.max_hits(), ray.seed()});
+  if (ray.d.x == 0 && ray.d.z == 0) {
+    pose_function(AlongAxis(profile, ray), ray, block);
   } else {
-    self->prepare_intervals();
-    block.pose(IntervalEquation{self, &AlongRay::value, &AlongRay::derivative, ray.lo, ray.hi,
+    AlongRay function(profile, ray);
+    if (block.form() == Form::interval) function.prepare_intervals();
+    pose_function(function, ray, block);
+  }
+}
+
+template <class Function>
+void TeardropAlongRay::pose_function(const Function& function, const LocalRay& ray, EquationBlock& block) const {
+  const Function* const self = block.arena().make(function);
+  if (block.form() == Form::scalar) {
+    block.pose(ScalarEquation{self, &Function::eval, ray.lo, ray.hi, profile.max_hits(), ray.seed()});
+  } else {
+    block.pose(IntervalEquation{self, &Function::value, &Function::derivative, ray.lo, ray.hi,
                                 epsilons_along(regions, profile, ray, block.arena())});
   }
 }

@@ -29,8 +29,8 @@ struct TeardropProfile {
     return std::sqrt(std::clamp(y / (6 * m), 0.0, 1.0));
   }
   [[nodiscard]] Cylinder bounds() const {
-    constexpr double kWidest = 1.8933909283226967;  // (14 sqrt 7 - 20) / 9 = 1.89339092832269650..., rounded up
-    return {kWidest * m, 0, 6 * m};
+    constexpr double kWidestRadius = 1.8933909283226967;  // (14 sqrt 7 - 20) / 9 = 1.89339092832269647..., rounded up
+    return {kWidestRadius * m, 0, 6 * m};
   }
   [[nodiscard]] static int max_hits() { return 2; }  // convex
 };
@@ -70,7 +70,8 @@ struct TeardropSexticHomogeneous {
   double grazing_eps;
 };
 
-/// F(delta) = R(t(y))^2 - |p_xz|^2 at p + delta q, y = p_y + delta q_y (MATHS 3.2): smooth through q_y = 0.
+/// F(delta) = R(t(y))^2 - |p_xz|^2 at p + delta q, y = p_y + delta q_y: smooth through q_y = 0. For a ray
+/// parallel to the axis, R - |p_xz| instead, which has no double zeros at the poles.
 struct TeardropAlongRay {
   static FormulationInfo info();
   explicit TeardropAlongRay(const Teardrop& surface);
@@ -79,6 +80,10 @@ struct TeardropAlongRay {
 
   TeardropProfile profile;
   TeardropRegions regions;
+
+ private:
+  template <class Function>
+  void pose_function(const Function& function, const LocalRay& ray, EquationBlock& block) const;
 };
 
 /// The document's three equations in (delta, t, theta) (document 003).

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# usage: install_and_consume.sh BUILD CONSUMER CXX
+# usage: install_and_consume.sh BUILD CONSUMER CXX GENERATOR
 # Installs BUILD into a folder of its own, builds CONSUMER from there alone, runs it, looks at what it links,
 # and asks for components one by one.
 set -euo pipefail
-readonly build=$1 consumer=$2 cxx=$3
+readonly build=$1 consumer=$2 cxx=$3 generator=$4
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -16,7 +16,7 @@ fail() {
 configure() {
   local -r name=$1
   shift
-  cmake -S "$consumer" -B "$work/$name" -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER="$cxx" \
+  cmake -G "$generator" -S "$consumer" -B "$work/$name" -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER="$cxx" \
     -DCMAKE_PREFIX_PATH="$work/prefix" -DCONSUMER_COMPONENTS="$(IFS=';' && echo "$*")" >"$work/$name.log" 2>&1
 }
 

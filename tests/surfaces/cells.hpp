@@ -1,0 +1,190 @@
+// What the surface tests share: every (surface, formulation, solver) cell of the build, rays to try them on,
+// and answers in a shape that is easy to compare.
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <ostream>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <graze/solvers/math/rng.hpp>
+#include <graze/surfaces/intersector.hpp>
+#include <graze/surfaces/registry.hpp>
+
+namespace graze::test {
+
+using Table = std::vector<std::vector<double>>;
+
+inline SurfaceSpec teardrop(double s) {
+  SurfaceSpec spec;
+  spec.type = "teardrop";
+  spec.parameters.set("s", s);
+  return spec;
+}
+
+inline SurfaceSpec bezier(const Table& points) {
+  SurfaceSpec spec;
+  spec.type = "bezier_revolution";
+  spec.parameters.set("control_points", points);
+  return spec;
+}
+
+/// The teardrop's own control points.
+inline Table teardrop_points(double s) { return {{0, 0}, {2 * s, 0}, {3 * s, 2 * s}, {0, 6 * s}}; }
+/// A closed vase with a waist: not convex, up to six hits.
+inline Table vase_points() { return {{0, 0}, {4, 0}, {3, 2}, {-2, 3}, {4, 4}, {0, 6}}; }
+/// A profile that crosses the axis: r < 0 in its middle.
+inline Table crossing_points() { return {{0, 0}, {3, 1}, {-4, 2}, {3, 4}, {0, 5}}; }
+/// Degree 7.
+inline Table degree_seven_points() {
+  return {{0, 0}, {1, 0}, {2, 1}, {1, 2}, {2, 3}, {3, 4}, {1, 5}, {0, 6}};
+}
+
+/// Surfaces of each type to run the contract on. A new surface adds its line here.
+inline std::vector<SurfaceSpec> examples(std::string_view type) {
+  if (type == "teardrop") return {teardrop(1), teardrop(1.7)};
+  if (type == "bezier_revolution") return {bezier(vase_points())};
+  throw std::logic_error("tests/surfaces/cells.hpp has no example of surface " + std::string(type));
+}
+
+struct Cell {
+  const SurfaceEntry* surface;
+  const SolverEntry* solver;
+  Pairing pairing;
+
+  [[nodiscard]] std::string formulation() const {
+    return std::string(surface->formulations[pairing.formulation].name);
+  }
+  /// Solvers from random starts get few of them here: what is tested does not depend on their number.
+  [[nodiscard]] Parameters options(double tries) const {
+    Parameters parameters;
+    for (const auto& option : solver->info.options) {
+      if (option.name == "tries") parameters.set("tries", tries);
+    }
+    return parameters;
+  }
+  [[nodiscard]] Scene scene(const SurfaceSpec& spec, double tries = 5) const {
+    Scene result;
+    result.add(Intersector(*surface, spec, *solver, options(tries), formulation()));
+    return result;
+  }
+  [[nodiscard]] std::string name() const {
+    return std::string(surface->name) + "_" + formulation() + "_" + std::string(solver->name);
+  }
+};
+
+inline void PrintTo(const Cell& cell, std::ostream* out) { *out << cell.name(); }
+
+inline std::vector<Cell> all_cells() {
+  std::vector<Cell> cells;
+  for (const SurfaceEntry& surface : surface_registry()) {
+    for (const SolverEntry& solver : solver_registry()) {
+      for (const Pairing pairing : all_pairings(solver, surface)) cells.push_back({&surface, &solver, pairing});
+    }
+  }
+  return cells;
+}
+
+inline bool has_surface(std::string_view name) {
+  for (const SurfaceEntry& surface : surface_registry()) {
+    if (surface.name == name) return true;
+  }
+  return false;
+}
+
+struct Answer {
+  Status status = Status::ok;
+  std::vector<double> l;
+  std::vector<std::uint32_t> multiplicity;
+  std::vector<Vec3> point, normal;
+  std::vector<std::array<double, 2>> params;
+
+  friend bool operator==(const Answer&, const Answer&) = default;
+};
+
+inline void PrintTo(const Answer& answer, std::ostream* out) {
+  *out << to_string(answer.status) << std::hexfloat;
+  for (const double l : answer.l) *out << " " << l;
+}
+
+inline constexpr Wanted kEverything{.points = true, .normals = true, .params = true};
+
+inline std::vector<Answer> answers_of(const HitBuffer& hits) {
+  std::vector<Answer> answers;
+  for (std::size_t i = 0; i < hits.rays(); ++i) {
+    Answer answer{.status = hits.status[i], .l = {}, .multiplicity = {}, .point = {}, .normal = {}, .params = {}};
+    for (std::size_t k = hits.begin(i); k < hits.end(i); ++k) {
+      answer.l.push_back(hits.l[k]);
+      answer.multiplicity.push_back(hits.multiplicity[k]);
+      answer.point.push_back(hits.point[k]);
+      answer.normal.push_back(hits.normal[k]);
+      answer.params.push_back(hits.params[k]);
+    }
+    answers.push_back(answer);
+  }
+  return answers;
+}
+
+inline std::vector<Answer> ask(const Scene& scene, std::span<const Ray> rays, Query query = Query::all) {
+  Scene::Workspace work;
+  HitBuffer hits;
+  scene.intersect(rays, query, kEverything, work, hits);
+  return answers_of(hits);
+}
+
+inline Vec3 random_direction(Rng& rng) {
+  const double height = rng.uniform(-1, 1);
+  const double angle = rng.uniform(0, 2 * std::numbers::pi);
+  const double radius = std::sqrt(1 - height * height);
+  return {radius * std::cos(angle), height, radius * std::sin(angle)};
+}
+
+/// From around the surface towards its bounds.
+inline Ray camera_ray(const AnySurface& surface, Rng& rng) {
+  const Landmarks marks = surface.landmarks();
+  const Vec3 o = marks.centre + 3 * norm(marks.half) * random_direction(rng);
+  const Vec3 target = marks.centre + Vec3{rng.uniform(-1, 1) * marks.half.x, rng.uniform(-1, 1) * marks.half.y,
+                                          rng.uniform(-1, 1) * marks.half.z};
+  return {o, normalized(target - o)};
+}
+
+/// Nearly horizontal, |d_y| from 1e-16 to 1e-2.
+inline Ray flat_ray(const AnySurface& surface, Rng& rng) {
+  Ray ray = camera_ray(surface, rng);
+  const double steepness = std::pow(10.0, rng.uniform(-16, -2));
+  ray.o.y = surface.landmarks().centre.y + rng.uniform(-1, 1) * surface.landmarks().half.y;
+  ray.d.y = ray.d.x < 0 ? -steepness : steepness;
+  return ray;
+}
+
+/// Along a tangent, 1e-16 to 1e-1 of the size beside it.
+inline Ray graze_ray(const AnySurface& surface, Rng& rng) {
+  const double u = rng.uniform();
+  const SurfaceSample sample = surface.sample(u, rng.uniform());
+  const double offset = std::pow(10.0, rng.uniform(-16, -1)) * (rng.uniform() < 0.5 ? -1 : 1);
+  const Vec3 tangent = normalized(cross(sample.normal, random_direction(rng)));
+  return {sample.point + offset * surface.size() * sample.normal - 2 * surface.size() * tangent, tangent};
+}
+
+inline std::vector<Ray> mixed_rays(const AnySurface& surface, std::size_t each, std::uint64_t seed) {
+  Rng rng(seed);
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < each; ++i) {
+    rays.push_back(camera_ray(surface, rng));
+    rays.push_back(flat_ray(surface, rng));
+    rays.push_back(graze_ray(surface, rng));
+  }
+  return rays;
+}
+
+inline std::vector<Ray> camera_rays(const AnySurface& surface, std::size_t count, std::uint64_t seed) {
+  Rng rng(seed);
+  std::vector<Ray> rays;
+  for (std::size_t i = 0; i < count; ++i) rays.push_back(camera_ray(surface, rng));
+  return rays;
+}
+
+}  // namespace graze::test
