@@ -53,7 +53,9 @@ Vec3 random_tangent(Vec3 n, Rng& rng) {
 }
 
 /// A ray through `target` along `direction` that starts `distance` before it.
-Ray through(Vec3 target, Vec3 direction, double distance) { return {target - distance * direction, direction}; }
+Ray through(Vec3 target, Vec3 direction, double distance) {
+  return {target - distance * direction, direction};
+}
 
 bool any_surface(const Landmarks& /*marks*/) { return true; }
 bool with_axis(const Landmarks& marks) { return marks.has_axis; }
@@ -146,10 +148,10 @@ constexpr std::array<CaseFamily, 9> kFamilies{{
     {"flat", "Nearly horizontal rays, |q_y| from 1e-16 to 1e-2.", "|q_y|", with_axis, make_flat},
     {"horizontal", "Rays with q_y = 0 exactly, one in four near the top or bottom plane.",
      "distance from the end planes / half height", with_axis, make_horizontal},
-    {"pole", "Rays that pass a pole (apex, bottom) at 1e-16 to 1e-1 of the size.", "distance from the pole / L",
-     with_poles, make_pole},
-    {"axis", "Rays parallel to the axis, one in four on it.", "distance from the axis / largest radius", with_axis,
-     make_axis},
+    {"pole", "Rays that pass a pole (apex, bottom) at 1e-16 to 1e-1 of the size.",
+     "distance from the pole / L", with_poles, make_pole},
+    {"axis", "Rays parallel to the axis, one in four on it.", "distance from the axis / largest radius",
+     with_axis, make_axis},
     {"far", "Rays from 10 to 1e10 sizes away.", "distance / size of the bounds", any_surface, make_far},
     {"scale", "Camera rays with the whole scene scaled by 1e-12 to 1e12.", "L after scaling", any_surface,
      make_scale},
@@ -157,7 +159,8 @@ constexpr std::array<CaseFamily, 9> kFamilies{{
 
 std::uint64_t hash_name(std::uint64_t seed, std::string_view name) {
   std::uint64_t hash = mix64(seed);
-  for (const char c : name) hash = hash_combine(hash, static_cast<std::uint64_t>(static_cast<unsigned char>(c)));
+  for (const char c : name)
+    hash = hash_combine(hash, static_cast<std::uint64_t>(static_cast<unsigned char>(c)));
   return hash;
 }
 

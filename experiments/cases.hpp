@@ -20,8 +20,8 @@ struct CaseRay {
 
 struct CaseFamily {
   std::string_view name;
-  std::string_view summary;     ///< one sentence
-  std::string_view difficulty;  ///< what the number is
+  std::string_view summary;               ///< one sentence
+  std::string_view difficulty;            ///< what the number is
   bool (*suits)(const Landmarks& marks);  ///< does it make sense for a surface?
   CaseRay (*make)(const AnySurface& surface, Rng& rng);
 };

@@ -30,11 +30,13 @@ struct BenchOptions {
 };
 
 /// The family's rays; those of the family `scale` at scale 1, since one surface is timed.
-std::vector<Ray> bench_rays(const CaseFamily& family, const AnySurface& surface, const BenchOptions& options) {
+std::vector<Ray> bench_rays(const CaseFamily& family, const AnySurface& surface,
+                            const BenchOptions& options) {
   std::vector<Ray> rays;
   for (std::size_t block = 0; rays.size() < options.rays; ++block) {
     const std::size_t count = std::min(kCaseBlock, options.rays - rays.size());
-    for (const CaseRay& ray : make_block(family, surface, options.seed, block, count)) rays.push_back(ray.ray);
+    for (const CaseRay& ray : make_block(family, surface, options.seed, block, count))
+      rays.push_back(ray.ray);
   }
   return rays;
 }
@@ -80,25 +82,37 @@ struct Line {
   bool censored = false;
 };
 
-void print(const BenchOptions& options, const CaseFamily& family, const std::vector<Line>& lines, Output& output) {
+void print(const BenchOptions& options, const CaseFamily& family, const std::vector<Line>& lines,
+           Output& output) {
   fmt::memory_buffer& out = output.buffer();
   if (!options.json) {
-    fmt::format_to(std::back_inserter(out), "{} / {}, query {}, {} rays\n  {:<28} {:<20} {:>12} {:>12} {:>12}  {}\n",
-                   options.surface, family.name, options.query, options.rays, "solver", "formulation", "median ns",
-                   "min ns", "p90 ns", "wrong / uncertain / failed of judged");
+    fmt::format_to(std::back_inserter(out),
+                   "{} / {}, query {}, {} rays\n  {:<28} {:<20} {:>12} {:>12} {:>12}  {}\n", options.surface,
+                   family.name, options.query, options.rays, "solver", "formulation", "median ns", "min ns",
+                   "p90 ns", "wrong / uncertain / failed of judged");
   }
   for (const Line& line : lines) {
     if (options.json) {
       const nlohmann::ordered_json json{
-          {"surface", options.surface}, {"case", family.name}, {"solver", line.solver},
-          {"formulation", line.formulation}, {"precision", options.precision}, {"query", options.query},
-          {"rays", line.rays}, {"ns_per_ray", {{"min", line.ns.min}, {"median", line.ns.median}, {"p90", line.ns.p90}}},
-          {"hits", line.score.hits}, {"wrong", line.score.wrong}, {"uncertain", line.score.uncertain},
-          {"failed", line.score.failed}, {"judged", line.score.judged}, {"censored", line.censored}};
+          {"surface", options.surface},
+          {"case", family.name},
+          {"solver", line.solver},
+          {"formulation", line.formulation},
+          {"precision", options.precision},
+          {"query", options.query},
+          {"rays", line.rays},
+          {"ns_per_ray", {{"min", line.ns.min}, {"median", line.ns.median}, {"p90", line.ns.p90}}},
+          {"hits", line.score.hits},
+          {"wrong", line.score.wrong},
+          {"uncertain", line.score.uncertain},
+          {"failed", line.score.failed},
+          {"judged", line.score.judged},
+          {"censored", line.censored}};
       fmt::format_to(std::back_inserter(out), "{}\n", json.dump());
     } else {
-      fmt::format_to(std::back_inserter(out), "  {:<28} {:<20} {:>12.1f} {:>12.1f} {:>12.1f}  {} / {} / {} of {}{}\n",
-                     line.solver, line.formulation, line.ns.median, line.ns.min, line.ns.p90, line.score.wrong,
+      fmt::format_to(std::back_inserter(out),
+                     "  {:<28} {:<20} {:>12.1f} {:>12.1f} {:>12.1f}  {} / {} / {} of {}{}\n", line.solver,
+                     line.formulation, line.ns.median, line.ns.min, line.ns.p90, line.score.wrong,
                      line.score.uncertain, line.score.failed, line.score.judged,
                      line.censored ? fmt::format("  (timed on {} rays)", line.rays) : "");
     }
@@ -164,23 +178,34 @@ void bench(const BenchOptions& options) {
 }  // namespace
 
 Action add_bench_command(CLI::App& app) {
-  CLI::App* const command = app.add_subcommand("bench", "ns per ray of several solvers, interleaved in one process");
+  CLI::App* const command =
+      app.add_subcommand("bench", "ns per ray of several solvers, interleaved in one process");
   const auto options = std::make_shared<BenchOptions>();
   options->cases = {"camera"};
   command->add_option("--surface", options->surface, "surface, values in TOML syntax: teardrop:s=1")
       ->type_name("NAME:key=value,...")
       ->required();
-  command->add_option("--solver", options->solvers, "solvers to compare: A,B:key=value,C")->type_name("A,B,...")->required();
-  command->add_option("--case", options->cases, "case families (default camera)")->type_name("NAME,...")->delimiter(',');
-  command->add_option("--formulation", options->formulation, "equation to solve (default: each solver's preference)")
+  command->add_option("--solver", options->solvers, "solvers to compare: A,B:key=value,C")
+      ->type_name("A,B,...")
+      ->required();
+  command->add_option("--case", options->cases, "case families (default camera)")
+      ->type_name("NAME,...")
+      ->delimiter(',');
+  command
+      ->add_option("--formulation", options->formulation,
+                   "equation to solve (default: each solver's preference)")
       ->type_name("NAME");
   add_precision_option(*command, options->precision);
   add_query_option(*command, options->query);
   command->get_option("--query")->description("all hits, the first hit, or any one hit (default first)");
-  command->add_option("--rays", options->rays, "rays (default 8192: resident in the L2 cache)")->check(CLI::Range(1, 100000000));
-  command->add_option("--judge", options->judged, "rays judged against truth (default 1000)")->check(CLI::Range(0, 100000000));
-  command->add_option("--repeats", options->repeats, "counted turns of each solver (default 15)")->check(CLI::Range(1, 100000));
-  command->add_option("--budget-ms", options->budget_ms, "time after which a turn stops (default 200)")->check(CLI::Range(1.0, 1e6));
+  command->add_option("--rays", options->rays, "rays (default 8192: resident in the L2 cache)")
+      ->check(CLI::Range(1, 100000000));
+  command->add_option("--judge", options->judged, "rays judged against truth (default 1000)")
+      ->check(CLI::Range(0, 100000000));
+  command->add_option("--repeats", options->repeats, "counted turns of each solver (default 15)")
+      ->check(CLI::Range(1, 100000));
+  command->add_option("--budget-ms", options->budget_ms, "time after which a turn stops (default 200)")
+      ->check(CLI::Range(1.0, 1e6));
   command->add_option("--seed", options->seed, "of rays and order (default 1)");
   command->add_flag("--json", options->json, "one JSON object a line");
   return [options] { bench(*options); };

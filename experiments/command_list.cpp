@@ -79,17 +79,20 @@ void print_solvers(fmt::memory_buffer& out) {
                    claims.finds_touching_roots ? ", sees touching roots" : ", does not decide touching roots",
                    claims.deterministic ? "" : ", seeded random starts");
     for (const auto& option : entry.info.options) {
-      fmt::format_to(std::back_inserter(out), "  {:<20}   {}={}: {}\n", "", option.name, option.fallback, option.meaning);
+      fmt::format_to(std::back_inserter(out), "  {:<20}   {}={}: {}\n", "", option.name, option.fallback,
+                     option.meaning);
     }
-    fmt::format_to(std::back_inserter(out), "  {:<20}   source: {}; see {}\n", "", entry.info.source, entry.info.page);
+    fmt::format_to(std::back_inserter(out), "  {:<20}   source: {}; see {}\n", "", entry.info.source,
+                   entry.info.page);
   }
 }
 
 void print_surfaces(fmt::memory_buffer& out) {
   fmt::format_to(std::back_inserter(out), "surfaces\n");
   for (const SurfaceEntry& entry : surface_registry()) {
-    fmt::format_to(std::back_inserter(out), "  {:<20} {}\n  {:<20}   parameters: {}; eps regions: {}; see {}\n",
-                   entry.name, entry.info.summary, "", fmt::join(entry.info.parameters, ", "),
+    fmt::format_to(std::back_inserter(out),
+                   "  {:<20} {}\n  {:<20}   parameters: {}; eps regions: {}; see {}\n", entry.name,
+                   entry.info.summary, "", fmt::join(entry.info.parameters, ", "),
                    fmt::join(entry.info.regions, ", "), entry.info.page);
     for (const FormulationInfo& formulation : entry.formulations) {
       fmt::format_to(std::back_inserter(out), "  {:<20}   {} [{}]: {}\n", "", formulation.name,
@@ -101,8 +104,8 @@ void print_surfaces(fmt::memory_buffer& out) {
 void print_cases(fmt::memory_buffer& out) {
   fmt::format_to(std::back_inserter(out), "cases\n");
   for (const CaseFamily& family : case_families()) {
-    fmt::format_to(std::back_inserter(out), "  {:<20} {}\n  {:<20}   difficulty: {}\n", family.name, family.summary, "",
-                   family.difficulty);
+    fmt::format_to(std::back_inserter(out), "  {:<20} {}\n  {:<20}   difficulty: {}\n", family.name,
+                   family.summary, "", family.difficulty);
   }
 }
 

@@ -34,8 +34,9 @@ Answer by_truth() {
     const truth::PolynomialAnswer answer = truth::real_roots(polynomial.c, polynomial.interval);
     const char* separator = "{\"roots\":[";
     for (const truth::PolynomialRoot& root : answer.roots) {
-      fmt::format_to(std::back_inserter(out), "{}{{\"x\":\"{}\",\"multiplicity\":{},\"enclosure\":[\"{}\",\"{}\"]}}",
-                     separator, root.x.decimal, root.multiplicity, root.x.lo, root.x.hi);
+      fmt::format_to(std::back_inserter(out),
+                     "{}{{\"x\":\"{}\",\"multiplicity\":{},\"enclosure\":[\"{}\",\"{}\"]}}", separator,
+                     root.x.decimal, root.multiplicity, root.x.lo, root.x.hi);
       separator = ",";
     }
     if (answer.roots.empty()) fmt::format_to(std::back_inserter(out), "{}", separator);
@@ -62,8 +63,8 @@ Answer by_solver(const SolverSpec& spec) {
       const Root& root = roots.list[i];
       // JSON has no infinity: a radius that nothing bounds is null.
       const std::string radius = std::isfinite(root.radius) ? fmt::format("{}", root.radius) : "null";
-      fmt::format_to(std::back_inserter(out), "{}{{\"x\":{},\"multiplicity\":{},\"radius\":{}}}", i == 0 ? "" : ",",
-                     root.x, root.multiplicity, radius);
+      fmt::format_to(std::back_inserter(out), "{}{{\"x\":{},\"multiplicity\":{},\"radius\":{}}}",
+                     i == 0 ? "" : ",", root.x, root.multiplicity, radius);
     }
     append_status(out, roots.status, "");
   };
@@ -102,8 +103,9 @@ Action add_roots_command(CLI::App& app) {
       ->required();
   add_precision_option(*command, options->precision);
   command->add_flag("--keep-going", options->keep_going, "answer a bad line with status invalid and go on");
-  command->add_option("POLYNOMIALS", options->polynomials,
-                      "JSON Lines {\"c\":[c0,c1,...],\"interval\":[a,b]}, ascending; standard input if missing or -");
+  command->add_option(
+      "POLYNOMIALS", options->polynomials,
+      "JSON Lines {\"c\":[c0,c1,...],\"interval\":[a,b]}, ascending; standard input if missing or -");
   return [options] { find_roots(*options); };
 }
 

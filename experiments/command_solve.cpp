@@ -24,7 +24,8 @@ struct StreamOptions {
     add_query_option(command, query);
     command.add_flag("--keep-going", keep_going, "answer a bad line with status invalid and go on");
     add_jobs_option(command, jobs);
-    command.add_option("RAYS", rays, "JSON Lines {\"o\":[x,y,z],\"d\":[x,y,z]}; standard input if missing or -");
+    command.add_option("RAYS", rays,
+                       "JSON Lines {\"o\":[x,y,z],\"d\":[x,y,z]}; standard input if missing or -");
   }
 };
 
@@ -67,9 +68,13 @@ const std::string* error_of(const RayBatch& batch, std::size_t index) {
   return found != batch.errors.end() && found->first == index ? &found->second : nullptr;
 }
 
-void append(fmt::memory_buffer& out, std::string_view text) { out.append(text.data(), text.data() + text.size()); }
+void append(fmt::memory_buffer& out, std::string_view text) {
+  out.append(text.data(), text.data() + text.size());
+}
 
-void append_number(fmt::memory_buffer& out, double value) { fmt::format_to(std::back_inserter(out), "{}", value); }
+void append_number(fmt::memory_buffer& out, double value) {
+  fmt::format_to(std::back_inserter(out), "{}", value);
+}
 
 void append_vector(fmt::memory_buffer& out, Vec3 v) {
   out.push_back('[');
@@ -181,8 +186,9 @@ void append_truth(fmt::memory_buffer& out, const truth::Answer& answer,
     append_vector(out, hit.normal);
     append(out, ",\"params\":");
     append_params(out, names[hit.surface], hit.params);
-    fmt::format_to(std::back_inserter(out), ",\"multiplicity\":{},\"enclosure\":[\"{}\",\"{}\"],\"tangent\":{}}}",
-                   hit.multiplicity, hit.l.lo, hit.l.hi, hit.tangent);
+    fmt::format_to(std::back_inserter(out),
+                   ",\"multiplicity\":{},\"enclosure\":[\"{}\",\"{}\"],\"tangent\":{}}}", hit.multiplicity,
+                   hit.l.lo, hit.l.hi, hit.tangent);
   }
 }
 
@@ -203,8 +209,8 @@ void tell_truth(const TruthOptions& options) {
   const auto scene = build_truth(members);
   const auto names = parameter_names(members);
   const bool first_only = options.query != "all";
-  stream(options, [&](std::span<const Ray> rays, std::size_t first, const RayBatch& batch, std::size_t /*slot*/,
-                      fmt::memory_buffer& out) {
+  stream(options, [&](std::span<const Ray> rays, std::size_t first, const RayBatch& batch,
+                      std::size_t /*slot*/, fmt::memory_buffer& out) {
     for (std::size_t i = 0; i < rays.size(); ++i) {
       truth::Answer answer;
       if (is_valid(rays[i])) {
@@ -226,17 +232,22 @@ Action add_solve_command(CLI::App& app) {
   CLI::App* const command = app.add_subcommand("solve", "hits of rays, by one solver");
   const auto options = std::make_shared<SolveOptions>();
   options->add_to(*command);
-  command->add_option("--solver", options->solver, "solver with options: newton_slices:tries=50 (see graze list)")
+  command
+      ->add_option("--solver", options->solver,
+                   "solver with options: newton_slices:tries=50 (see graze list)")
       ->type_name("NAME[:key=value,...]")
       ->required();
-  command->add_option("--formulation", options->formulation, "equation to solve (default: the solver's preference)")
+  command
+      ->add_option("--formulation", options->formulation,
+                   "equation to solve (default: the solver's preference)")
       ->type_name("NAME");
   add_precision_option(*command, options->precision);
   return [options] { solve(*options); };
 }
 
 Action add_truth_command(CLI::App& app) {
-  CLI::App* const command = app.add_subcommand("truth", "certified hits of rays, proved, as decimals with enclosures");
+  CLI::App* const command =
+      app.add_subcommand("truth", "certified hits of rays, proved, as decimals with enclosures");
   const auto options = std::make_shared<TruthOptions>();
   options->add_to(*command);
   command->add_option("--digits", options->digits, "significant decimal digits (default 40)")

@@ -40,12 +40,13 @@ struct ReportOptions {
 std::filesystem::path generator() {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
-  const auto installed = program.parent_path().parent_path() / "share" / "graze" / "report" / "graze_report.py";
+  const auto installed =
+      program.parent_path().parent_path() / "share" / "graze" / "report" / "graze_report.py";
   if (!error && std::filesystem::exists(installed)) return installed;
   const std::filesystem::path source = std::filesystem::path(kReportSource) / "graze_report.py";
   if (std::filesystem::exists(source)) return source;
-  throw EnvironmentError(fmt::format("the report generator is missing: looked for {} and {}", installed.string(),
-                                     source.string()));
+  throw EnvironmentError(fmt::format("the report generator is missing: looked for {} and {}",
+                                     installed.string(), source.string()));
 }
 
 /// Debian's python3 has the packages; another one may come first on PATH.

@@ -41,7 +41,8 @@ void add_precision_option(CLI::App& command, std::string& precision) {
 }
 
 void check_precision(const std::string& precision) {
-  if (precision == "float") throw UsageError("--precision float: no solver of this version has it; use double");
+  if (precision == "float")
+    throw UsageError("--precision float: no solver of this version has it; use double");
 }
 
 void add_jobs_option(CLI::App& command, int& jobs) {

@@ -36,11 +36,13 @@ bool LineReader::fill() {
   end_ -= begin_;
   begin_ = 0;
   if (end_ + kPadding >= buffer_.size()) {
-    if (buffer_.size() >= kLargestLine) throw DataError(fmt::format("{}:{}: line too long", name_, line_ + 1));
+    if (buffer_.size() >= kLargestLine)
+      throw DataError(fmt::format("{}:{}: line too long", name_, line_ + 1));
     buffer_.resize(2 * buffer_.size());
   }
   const std::size_t read = std::fread(buffer_.data() + end_, 1, buffer_.size() - kPadding - end_, file_);
-  if (std::ferror(file_) != 0) throw EnvironmentError(fmt::format("{}: read failed: {}", name_, std::strerror(errno)));
+  if (std::ferror(file_) != 0)
+    throw EnvironmentError(fmt::format("{}: read failed: {}", name_, std::strerror(errno)));
   end_ += read;
   at_end_ = read == 0;
   return read > 0;
@@ -77,7 +79,8 @@ struct JsonParser::Implementation {
   ondemand::parser parser;
 
   ondemand::document open(std::string_view line) {
-    return parser.iterate(simdjson::padded_string_view(line.data(), line.size(), line.size() + LineReader::kPadding));
+    return parser.iterate(
+        simdjson::padded_string_view(line.data(), line.size(), line.size() + LineReader::kPadding));
   }
   /// A finite number: decimal, or a hex-float string.
   static std::optional<double> number(ondemand::value value) {
@@ -166,7 +169,8 @@ std::optional<LineError> JsonParser::parse(std::string_view line, Polynomial& po
       const std::string_view key = field.unescaped_key();
       if (key == "c") {
         has_c = Implementation::numbers(field.value(), polynomial.c) && !polynomial.c.empty();
-        if (!has_c) return field_error("c", "expected a list of finite numbers (decimal, or hex-float strings)");
+        if (!has_c)
+          return field_error("c", "expected a list of finite numbers (decimal, or hex-float strings)");
       } else if (key == "interval") {
         if (!Implementation::numbers(field.value(), v) || v.size() != 2 || v[0] > v[1]) {
           return field_error("interval", "expected [a,b] with a <= b, both finite");
@@ -224,7 +228,8 @@ void append_json_string(fmt::memory_buffer& out, std::string_view s) {
       out.push_back('\\');
       out.push_back(c);
     } else if (static_cast<unsigned char>(c) < 0x20) {
-      fmt::format_to(std::back_inserter(out), "\\u{:04x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+      fmt::format_to(std::back_inserter(out), "\\u{:04x}",
+                     static_cast<unsigned>(static_cast<unsigned char>(c)));
     } else {
       out.push_back(c);
     }

@@ -16,7 +16,8 @@
 
 namespace graze {
 
-/// Reads a file or standard input line by line in large chunks. Lines are views that live until the next call.
+/// Reads a file or standard input line by line in large chunks. Lines are views that live until the next
+/// call.
 class LineReader {
  public:
   /// "-" or empty: standard input. Throws DataError if the file cannot be opened.

@@ -35,23 +35,24 @@ struct Measure {
 /// (no true hit) is none.
 struct Judgement {
   Verdict verdict = Verdict::right;
-  int missed = 0;      ///< true hits that are not reported
-  int spurious = 0;    ///< reported hits that are not true
+  int missed = 0;    ///< true hits that are not reported
+  int spurious = 0;  ///< reported hits that are not true
   bool wrong_first = false;
   std::optional<double> ulps;             ///< worst |l - l*| / ulp(l*)
   std::optional<double> condition_units;  ///< worst |l - l*| / (eps (|l*| + L/|n.d|)), eps = 2^-52
-  std::optional<double> backward;  ///< worst distance of a claimed point from the surface, in ulps of the inputs
-  std::optional<double> normal_error;     ///< worst angle to the true normal, radians
+  std::optional<double>
+      backward;  ///< worst distance of a claimed point from the surface, in ulps of the inputs
+  std::optional<double> normal_error;  ///< worst angle to the true normal, radians
 };
 
-/// Wrong: a spurious hit, or a missed one under status ok, or a coincidence not seen or invented. An uncertain
-/// or failed answer may miss, but what it lists must be true.
-/// `surface` measures the claimed points' distances; null leaves `backward` out.
+/// Wrong: a spurious hit, or a missed one under status ok, or a coincidence not seen or invented. An
+/// uncertain or failed answer may miss, but what it lists must be true. `surface` measures the claimed
+/// points' distances; null leaves `backward` out.
 Judgement judge(const Ray& ray, const truth::Answer& truth, const Claim& claim, const Measure& measure,
                 const truth::Surface* surface);
 
-/// Whether truth's verdict (status, number of hits) changes when one of the six numbers of the ray moves by one
-/// ulp: twelve more truths.
+/// Whether truth's verdict (status, number of hits) changes when one of the six numbers of the ray moves by
+/// one ulp: twelve more truths.
 bool is_ambiguous(const truth::Surface& surface, const Ray& ray, const truth::Answer& truth);
 
 /// Largest relative condition (|l*| + L/|n.d|) / |l*| of the hits; none without hits.

@@ -36,14 +36,16 @@ Machine this_machine() {
   utsname names{};
   uname(&names);
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
-  return {cpu_model(), vector_set(), fmt::format("{} {} {}", names.sysname, names.release, names.machine), cores};
+  return {cpu_model(), vector_set(), fmt::format("{} {} {}", names.sysname, names.release, names.machine),
+          cores};
 }
 
 std::string build_key() {
   const BuildInfo& build = build_info();
   std::uint64_t hash = 0;
   for (const std::string& part : {build.version, build.git_commit, build.compiler, build.flags}) {
-    for (const char c : part) hash = hash_combine(hash, static_cast<std::uint64_t>(static_cast<unsigned char>(c)));
+    for (const char c : part)
+      hash = hash_combine(hash, static_cast<std::uint64_t>(static_cast<unsigned char>(c)));
   }
   return fmt::format("{:016x}", hash);
 }

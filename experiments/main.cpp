@@ -4,8 +4,8 @@
 #include <map>
 #include <new>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "build_info.hpp"
 #include "commands.hpp"
@@ -16,8 +16,8 @@ namespace {
 
 std::string version_text() {
   const BuildInfo& build = build_info();
-  return fmt::format("graze {} (commit {}, {}, {}; this machine: {})", build.version, build.git_commit, build.compiler,
-                     build.flags, this_machine().instruction_set);
+  return fmt::format("graze {} (commit {}, {}, {}; this machine: {})", build.version, build.git_commit,
+                     build.compiler, build.flags, this_machine().instruction_set);
 }
 
 /// What CLI11 found wrong, with the nearest command where one was mistyped.
@@ -35,11 +35,13 @@ std::string usage_message(const CLI::App& app, const CLI::ParseError& error, int
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"graze: which root finder can I trust for this ray and this surface, and what does it cost?", "graze"};
+  CLI::App app{"graze: which root finder can I trust for this ray and this surface, and what does it cost?",
+               "graze"};
   app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 done; 2 wrong usage or configuration; 3 bad input data; 4 environment (input/output, missing\n"
+      "Exit codes: 0 done; 2 wrong usage or configuration; 3 bad input data; 4 environment (input/output, "
+      "missing\n"
       "component); 130 interrupted, what was finished is kept. Data goes to stdout, messages to stderr.");
   std::map<std::string, Action> actions;
   actions["list"] = add_list_command(app);

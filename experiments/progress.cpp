@@ -30,7 +30,11 @@ std::string duration(double seconds) {
 }  // namespace
 
 Progress::Progress(std::string what, std::size_t total)
-    : what_(std::move(what)), total_(total), terminal_(isatty(STDERR_FILENO) == 1), start_(Clock::now()), shown_() {
+    : what_(std::move(what)),
+      total_(total),
+      terminal_(isatty(STDERR_FILENO) == 1),
+      start_(Clock::now()),
+      shown_() {
   show(false);
 }
 
@@ -47,14 +51,16 @@ void Progress::show(bool last) {
   shown_ = Clock::now();
   const double seconds = std::chrono::duration<double>(shown_ - start_).count();
   const double share = total_ == 0 ? 1 : static_cast<double>(done_) / static_cast<double>(total_);
-  const std::string eta =
-      done_ == 0 || done_ >= total_ ? "" : fmt::format(", about {} left", duration(seconds * (1 - share) / share));
+  const std::string eta = done_ == 0 || done_ >= total_
+                              ? ""
+                              : fmt::format(", about {} left", duration(seconds * (1 - share) / share));
   const std::string text =
       fmt::format("{}: {}/{} ({:.0f} %) in {}{}", what_, done_, total_, 100 * share, duration(seconds), eta);
   if (terminal_) {
     constexpr int kWidth = 30;
     const int filled = std::clamp(static_cast<int>(share * kWidth), 0, kWidth);
-    fmt::print(stderr, "\r\x1b[K[{:#<{}}{:.<{}}] {}{}", "", filled, "", kWidth - filled, text, last ? "\n" : "");
+    fmt::print(stderr, "\r\x1b[K[{:#<{}}{:.<{}}] {}{}", "", filled, "", kWidth - filled, text,
+               last ? "\n" : "");
   } else {
     fmt::print(stderr, "{}\n", text);
   }

@@ -30,7 +30,8 @@ Parameters parse_assignments(std::string_view text, std::string_view owner) {
   try {
     table = toml::parse(fmt::format("v = {{ {} }}", text));
   } catch (const toml::parse_error& error) {
-    throw UsageError(fmt::format("{}: {} is not key=value,... in TOML syntax: {}", owner, origin, error.description()));
+    throw UsageError(
+        fmt::format("{}: {} is not key=value,... in TOML syntax: {}", owner, origin, error.description()));
   }
   Parameters parameters;
   for (const auto& [key, value] : *table["v"].as_table()) {
@@ -46,7 +47,9 @@ std::pair<std::string_view, std::string_view> split_name(std::string_view text) 
 }
 
 std::string to_text(const ParameterValue& value) {
-  const auto list = [](const std::vector<double>& numbers) { return fmt::format("[{}]", fmt::join(numbers, ",")); };
+  const auto list = [](const std::vector<double>& numbers) {
+    return fmt::format("[{}]", fmt::join(numbers, ","));
+  };
   if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
   if (const auto* word = std::get_if<std::string>(&value)) return fmt::format("\"{}\"", *word);
@@ -65,7 +68,8 @@ Mat3 read_matrix(const toml::node& node, const std::string& file) {
   if (rows == nullptr || rows->size() != 3) {
     throw UsageError(where(node, file, "matrix") + "expected 3 rows of 3 numbers");
   }
-  return {to_vec3(toml_numbers((*rows)[0], file, "matrix", 3)), to_vec3(toml_numbers((*rows)[1], file, "matrix", 3)),
+  return {to_vec3(toml_numbers((*rows)[0], file, "matrix", 3)),
+          to_vec3(toml_numbers((*rows)[1], file, "matrix", 3)),
           to_vec3(toml_numbers((*rows)[2], file, "matrix", 3))};
 }
 
@@ -81,7 +85,8 @@ void check_formulation(const SceneMember& member, const std::string& place) {
     if (formulation.name == member.formulation) return;
     known.push_back(formulation.name);
   }
-  throw UsageError(place + unknown_name_message("formulation of " + member.surface.type, member.formulation, known));
+  throw UsageError(place +
+                   unknown_name_message("formulation of " + member.surface.type, member.formulation, known));
 }
 
 /// One [[surface]]: the fields every surface has, and its parameters.
@@ -106,7 +111,8 @@ SceneMember read_member(const toml::table& table, const std::string& file) {
       const toml::table* const eps = value.as_table();
       if (eps == nullptr) throw UsageError(where(value, file, field) + "expected a table region = number");
       for (const auto& [region, number] : *eps) {
-        member.surface.eps[std::string(region.str())] = toml_number(number, file, "eps." + std::string(region.str()));
+        member.surface.eps[std::string(region.str())] =
+            toml_number(number, file, "eps." + std::string(region.str()));
       }
     } else {
       member.surface.parameters.set(field, toml_parameter(value, file, field));
@@ -114,7 +120,8 @@ SceneMember read_member(const toml::table& table, const std::string& file) {
   }
   if (member.surface.type.empty()) throw UsageError(where(table, file, "type") + "missing");
   // Build it once, so that a bad value is reported with the surface's place in the file.
-  as_usage_error(where(table, file, "surface"), [&] { return find_surface(member.surface.type).make(member.surface); });
+  as_usage_error(where(table, file, "surface"),
+                 [&] { return find_surface(member.surface.type).make(member.surface); });
   if (const toml::node* const node = table.get("formulation")) {
     check_formulation(member, where(*node, file, "formulation"));
   }
@@ -155,7 +162,8 @@ std::vector<SolverSpec> parse_solver_list(std::string_view text) {
   while (start <= text.size()) {
     const std::size_t comma = std::min(text.find(',', start), text.size());
     const std::string_view part = text.substr(start, comma - start);
-    const bool is_option = part.find('=') != std::string_view::npos && part.find(':') == std::string_view::npos;
+    const bool is_option =
+        part.find('=') != std::string_view::npos && part.find(':') == std::string_view::npos;
     if (is_option && !parts.empty()) {
       parts.back() += "," + std::string(part);
     } else {
@@ -203,7 +211,8 @@ SurfaceSpec scaled(const SurfaceSpec& spec, double factor) {
     const auto scale = [factor](auto& v, const auto& self) -> void {
       if constexpr (std::is_same_v<std::decay_t<decltype(v)>, double>) {
         v *= factor;
-      } else if constexpr (requires { v.begin(); } && !std::is_same_v<std::decay_t<decltype(v)>, std::string>) {
+      } else if constexpr (requires { v.begin(); } &&
+                           !std::is_same_v<std::decay_t<decltype(v)>, std::string>) {
         for (auto& entry : v) self(entry, self);
       }
     };

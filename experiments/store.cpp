@@ -60,8 +60,8 @@ void bind(SQLite::Statement& statement, int index, const std::optional<double>& 
 std::string truth_json(const truth::Answer& truth) {
   std::vector<std::string> hits;
   for (const truth::Hit& hit : truth.hits) {
-    hits.push_back(fmt::format(R"({{"l":"{}","multiplicity":{},"cosine":{}}})", hit.l.decimal, hit.multiplicity,
-                               hit.cosine));
+    hits.push_back(fmt::format(R"({{"l":"{}","multiplicity":{},"cosine":{}}})", hit.l.decimal,
+                               hit.multiplicity, hit.cosine));
   }
   return fmt::format("[{}]", fmt::join(hits, ","));
 }
@@ -114,22 +114,25 @@ struct Store::Implementation {
     });
   }
 
-  std::set<std::tuple<std::int64_t, std::int64_t, std::int64_t>> triples(const char* sql, std::int64_t build) {
+  std::set<std::tuple<std::int64_t, std::int64_t, std::int64_t>> triples(const char* sql,
+                                                                         std::int64_t build) {
     return guarded(file, [&] {
       std::set<std::tuple<std::int64_t, std::int64_t, std::int64_t>> found;
       SQLite::Statement query(database, sql);
       query.bind(1, build);
       while (query.executeStep()) {
-        found.emplace(query.getColumn(0).getInt64(), query.getColumn(1).getInt64(), query.getColumn(2).getInt64());
+        found.emplace(query.getColumn(0).getInt64(), query.getColumn(1).getInt64(),
+                      query.getColumn(2).getInt64());
       }
       return found;
     });
   }
 
   void write_ray(const RayRow& row) {
-    SQLite::Statement insert(database,
-                             "INSERT INTO ray VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?) ON CONFLICT(id) DO UPDATE "
-                             "SET ambiguous = coalesce(excluded.ambiguous, ambiguous)");
+    SQLite::Statement insert(
+        database,
+        "INSERT INTO ray VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?) ON CONFLICT(id) DO UPDATE "
+        "SET ambiguous = coalesce(excluded.ambiguous, ambiguous)");
     int i = 0;
     insert.bind(++i, row.id);
     insert.bind(++i, row.surface);
@@ -138,7 +141,8 @@ struct Store::Implementation {
     insert.bind(++i, row.ray.difficulty);
     insert.bind(++i, row.scale);
     const Ray& ray = row.ray.ray;
-    for (const double v : {ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z}) insert.bind(++i, hex_float(v));
+    for (const double v : {ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z})
+      insert.bind(++i, hex_float(v));
     insert.bind(++i, std::string(to_string(row.truth.status)));
     insert.bind(++i, static_cast<int>(row.truth.hits.size()));
     insert.bind(++i, truth_json(row.truth));
@@ -186,7 +190,8 @@ struct Store::Implementation {
     for (const int count : {tally.missed, tally.spurious, tally.wrong_first, tally.ambiguous_wrong}) {
       insert.bind(++i, count);
     }
-    for (const std::int64_t work : {tally.evaluations, tally.iterations, tally.starts}) insert.bind(++i, work);
+    for (const std::int64_t work : {tally.evaluations, tally.iterations, tally.starts})
+      insert.bind(++i, work);
     insert.exec();
   }
 
@@ -219,7 +224,8 @@ struct Store::Implementation {
 Store::Store(const std::string& directory) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
-  if (error) throw EnvironmentError(fmt::format("{}: cannot make this folder: {}", directory, error.message()));
+  if (error)
+    throw EnvironmentError(fmt::format("{}: cannot make this folder: {}", directory, error.message()));
   const std::string file = (std::filesystem::path(directory) / "run.sqlite").string();
   implementation_ = guarded(file, [&] { return std::make_unique<Implementation>(file); });
 }
@@ -251,9 +257,10 @@ std::int64_t Store::build_id() {
     if (query.executeStep()) return query.getColumn(0).getInt64();
     const BuildInfo& build = build_info();
     const Machine machine = this_machine();
-    SQLite::Statement insert(implementation_->database,
-                             "INSERT INTO build(key,version,git_commit,compiler,flags,instruction_set,cpu,cores,"
-                             "system,started) VALUES(?,?,?,?,?,?,?,?,?,?)");
+    SQLite::Statement insert(
+        implementation_->database,
+        "INSERT INTO build(key,version,git_commit,compiler,flags,instruction_set,cpu,cores,"
+        "system,started) VALUES(?,?,?,?,?,?,?,?,?,?)");
     int i = 0;
     for (const std::string& text : {build_key(), build.version, build.git_commit, build.compiler, build.flags,
                                     machine.instruction_set, machine.cpu}) {
@@ -293,7 +300,8 @@ std::int64_t Store::cell_id(const CellRow& cell) {
   return implementation_->find_or_insert(
       "SELECT id FROM cell WHERE surface = ?1 AND formulation = ?2 AND solver = ?3 AND options = ?4 AND "
       "precision = ?5",
-      "INSERT INTO cell(surface,formulation,solver,options,precision,form,certified) VALUES(?1,?2,?3,?4,?5,?6,?7)",
+      "INSERT INTO cell(surface,formulation,solver,options,precision,form,certified) "
+      "VALUES(?1,?2,?3,?4,?5,?6,?7)",
       [&](SQLite::Statement& statement) {
         statement.bind(1, cell.surface);
         statement.bind(2, cell.formulation);
@@ -325,11 +333,13 @@ void Store::note(std::int64_t build, const std::string& pass, const std::string&
   });
 }
 
-std::set<std::tuple<std::int64_t, std::int64_t, std::int64_t>> Store::finished_blocks(std::int64_t build) const {
+std::set<std::tuple<std::int64_t, std::int64_t, std::int64_t>> Store::finished_blocks(
+    std::int64_t build) const {
   return implementation_->triples("SELECT cell, family, block FROM tally WHERE build = ?", build);
 }
 
-std::set<std::tuple<std::int64_t, std::int64_t, std::int64_t>> Store::finished_timings(std::int64_t build) const {
+std::set<std::tuple<std::int64_t, std::int64_t, std::int64_t>> Store::finished_timings(
+    std::int64_t build) const {
   return implementation_->triples("SELECT cell, family, repeat FROM timing WHERE build = ?", build);
 }
 
@@ -358,7 +368,8 @@ void Store::write(std::int64_t build, const BlockResult& result) {
 
 void Store::write(std::int64_t build, const TimingRow& timing) {
   guarded(implementation_->file, [&] {
-    SQLite::Statement insert(implementation_->database, "INSERT OR REPLACE INTO timing VALUES(?,?,?,?,?,?,?,?,?)");
+    SQLite::Statement insert(implementation_->database,
+                             "INSERT OR REPLACE INTO timing VALUES(?,?,?,?,?,?,?,?,?)");
     insert.bind(1, build);
     insert.bind(2, timing.cell);
     insert.bind(3, timing.family);

@@ -57,8 +57,8 @@ struct BlockResult {
   std::int64_t family = 0;
   std::size_t block = 0;
   std::vector<RayRow> rays;
-  std::vector<std::int64_t> cells;    ///< the cells that were judged in this block
-  std::vector<RecordRow> records;     ///< every (ray, cell), kept or only counted
+  std::vector<std::int64_t> cells;  ///< the cells that were judged in this block
+  std::vector<RecordRow> records;   ///< every (ray, cell), kept or only counted
 };
 
 /// Exceptions of the database become EnvironmentError (full disk, not writable) with the file's name.

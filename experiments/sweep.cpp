@@ -60,7 +60,8 @@ class Fields {
     const toml::node* const node = get(field);
     if (node == nullptr) return list;
     const toml::array* const array = node->as_array();
-    if (array == nullptr) throw UsageError(where(*node, file_, prefix_ + field) + "expected a list of strings");
+    if (array == nullptr)
+      throw UsageError(where(*node, file_, prefix_ + field) + "expected a list of strings");
     for (const toml::node& entry : *array) {
       const auto text = entry.value<std::string>();
       if (!text) throw UsageError(where(entry, file_, prefix_ + field) + "expected a string");
@@ -107,7 +108,8 @@ void read_timing(const toml::table& root, SweepConfig& config) {
   config.timing_budget_ms = fields.number("budget_ms", config.timing_budget_ms, 1, 1e6);
   const std::string query = fields.word("query", "all");
   if (query != "all" && query != "first") {
-    throw UsageError(where(*table->get("query"), config.path, "timing.query") + "must be \"all\" or \"first\"");
+    throw UsageError(where(*table->get("query"), config.path, "timing.query") +
+                     "must be \"all\" or \"first\"");
   }
   config.timing_query = query == "all" ? Query::all : Query::first;
   fields.expect_no_others();
@@ -156,8 +158,8 @@ std::vector<Cell> make_cells(const SweepConfig& config, Store& store, Subject& s
       Cell cell;
       cell.solver = solver;
       cell.solver.formulation = std::string(formulation.name);
-      cell.id = store.cell_id({subject.id, cell.solver.formulation, std::string(to_string(pairing.form)), solver.name,
-                               solver.options_text, "double", entry.info.claims.certified});
+      cell.id = store.cell_id({subject.id, cell.solver.formulation, std::string(to_string(pairing.form)),
+                               solver.name, solver.options_text, "double", entry.info.claims.certified});
       cells.push_back(cell);
     }
     for (const FormulationInfo& formulation : surface.formulations) {
@@ -183,8 +185,8 @@ std::vector<Subject> make_subjects(const SweepConfig& config, Store& store) {
     subject.id = store.surface_id(subject.label, spec.type, subject.size);
     subject.cells = make_cells(config, store, subject);
     for (const CaseFamily& family : case_families()) {
-      const bool asked = config.cases.empty() ||
-                         std::find(config.cases.begin(), config.cases.end(), family.name) != config.cases.end();
+      const bool asked = config.cases.empty() || std::find(config.cases.begin(), config.cases.end(),
+                                                           family.name) != config.cases.end();
       if (!asked) continue;
       if (family.suits(surface->landmarks())) {
         subject.families.push_back(&family);
@@ -227,7 +229,9 @@ void choose_kept(const SweepConfig& config, std::vector<RecordRow>& records) {
     if (all) continue;
     if (record.judgement.verdict != Verdict::right) {
       record.kept = "wrong";
-    } else if (mix64(hash_combine(config.seed, static_cast<std::uint64_t>(record.ray))) % config.sample_every == 0) {
+    } else if (mix64(hash_combine(config.seed, static_cast<std::uint64_t>(record.ray))) %
+                   config.sample_every ==
+               0) {
       record.kept = "sample";
     }
     const double error = record.judgement.condition_units.value_or(-1);
@@ -236,7 +240,8 @@ void choose_kept(const SweepConfig& config, std::vector<RecordRow>& records) {
   if (worst != nullptr && worst->kept.empty()) worst->kept = "worst";
 }
 
-std::vector<RayRow> make_rays(const SweepConfig& config, const Work& work, const AnySurface& surface, double scale) {
+std::vector<RayRow> make_rays(const SweepConfig& config, const Work& work, const AnySurface& surface,
+                              double scale) {
   std::vector<RayRow> rows;
   const auto rays = make_block(*work.family, surface, config.seed, work.block, work.count);
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -266,7 +271,8 @@ std::vector<RecordRow> run_cell(const Cell& cell, const Scene& scene, std::span<
     const std::size_t begin = hits.begin(i);
     const std::size_t count = hits.count(i);
     const Claim claim{hits.status[i], std::span(hits.l).subspan(begin, count),
-                      std::span(hits.point).subspan(begin, count), std::span(hits.normal).subspan(begin, count)};
+                      std::span(hits.point).subspan(begin, count),
+                      std::span(hits.normal).subspan(begin, count)};
     RecordRow record;
     record.cell = cell.id;
     record.ray = rows[i].id;
@@ -297,7 +303,8 @@ BlockResult run_block(const SweepConfig& config, const Work& work) {
   std::vector<bool> any_wrong(result.rays.size(), false);
   for (const Cell* cell : work.cells) {
     result.cells.push_back(cell->id);
-    auto records = run_cell(*cell, scene_of(*work.subject, cell->solver, scale), result.rays, measure, *truth);
+    auto records =
+        run_cell(*cell, scene_of(*work.subject, cell->solver, scale), result.rays, measure, *truth);
     choose_kept(config, records);
     for (std::size_t i = 0; i < records.size(); ++i) {
       any_wrong[i] = any_wrong[i] || records[i].judgement.verdict != Verdict::right;
@@ -352,7 +359,8 @@ std::vector<Work> plan_accuracy(const SweepConfig& config, const std::vector<Sub
       for (std::size_t block = 0; block < block_count(config.rays); ++block) {
         Work work{&subject, family, family_id, block, rays_in_block(config.rays, block), {}};
         for (const Cell& cell : subject.cells) {
-          if (done.count({cell.id, family_id, static_cast<std::int64_t>(block)}) == 0) work.cells.push_back(&cell);
+          if (done.count({cell.id, family_id, static_cast<std::int64_t>(block)}) == 0)
+            work.cells.push_back(&cell);
         }
         if (!work.cells.empty()) plan.push_back(std::move(work));
       }
@@ -365,9 +373,9 @@ std::vector<Work> plan_accuracy(const SweepConfig& config, const std::vector<Sub
 
 /// The scenes and rays of one family, kept alive while they are timed.
 struct TimedFamily {
-  std::vector<std::vector<Ray>> rays;         ///< by block group
-  std::vector<double> scales;                 ///< of each group
-  std::vector<std::vector<Scene>> scenes;     ///< by cell, by group
+  std::vector<std::vector<Ray>> rays;      ///< by block group
+  std::vector<double> scales;              ///< of each group
+  std::vector<std::vector<Scene>> scenes;  ///< by cell, by group
 };
 
 TimedFamily prepare_timing(const SweepConfig& config, const Subject& subject, const CaseFamily& family) {
@@ -380,19 +388,21 @@ TimedFamily prepare_timing(const SweepConfig& config, const Subject& subject, co
       timed.scales.push_back(scale);
       timed.rays.emplace_back();
     }
-    const auto rays = make_block(family, *surface, config.seed, block, rays_in_block(config.timing_rays, block));
+    const auto rays =
+        make_block(family, *surface, config.seed, block, rays_in_block(config.timing_rays, block));
     for (const CaseRay& ray : rays) timed.rays.back().push_back(ray.ray);
   }
   for (const Cell& cell : subject.cells) {
     timed.scenes.emplace_back();
-    for (const double scale : timed.scales) timed.scenes.back().push_back(scene_of(subject, cell.solver, scale));
+    for (const double scale : timed.scales)
+      timed.scenes.back().push_back(scene_of(subject, cell.solver, scale));
   }
   return timed;
 }
 
 /// Notes a cell whose repeats scatter: its median says little.
-void warn_of_noise(const std::vector<std::vector<double>>& samples, const Subject& subject, const CaseFamily& family,
-                   Store& store, std::int64_t build) {
+void warn_of_noise(const std::vector<std::vector<double>>& samples, const Subject& subject,
+                   const CaseFamily& family, Store& store, std::int64_t build) {
   std::size_t noisy = 0;
   constexpr double kNoisy = 1.5;  // p90 / median; an idle machine stays below 1.1
   for (const auto& times : samples) {
@@ -400,10 +410,12 @@ void warn_of_noise(const std::vector<std::vector<double>>& samples, const Subjec
     noisy += s.median > 0 && s.p90 / s.median > kNoisy ? 1 : 0;
   }
   if (noisy == 0) return;
-  store.note(build, "timing",
-             fmt::format("{} / {}: {} of {} cells scatter (90th percentile over {} times the median): the machine was "
-                         "busy",
-                         subject.label, family.name, noisy, samples.size(), kNoisy));
+  store.note(
+      build, "timing",
+      fmt::format(
+          "{} / {}: {} of {} cells scatter (90th percentile over {} times the median): the machine was "
+          "busy",
+          subject.label, family.name, noisy, samples.size(), kNoisy));
 }
 
 void time_family(const SweepConfig& config, const Subject& subject, const CaseFamily& family, Store& store,
@@ -429,8 +441,8 @@ void time_family(const SweepConfig& config, const Subject& subject, const CaseFa
                               hash_combine(config.seed, static_cast<std::uint64_t>(family_id))};
   time_contestants(contestants, options, [&](const TimingSample& sample) {
     samples[sample.contestant].push_back(sample.ns_per_ray);
-    rows.push_back({ids[sample.contestant], family_id, sample.repeat, sample.turn, sample.rays, sample.ns_per_ray,
-                    config.timing_query == Query::all ? "all" : "first", sample.censored});
+    rows.push_back({ids[sample.contestant], family_id, sample.repeat, sample.turn, sample.rays,
+                    sample.ns_per_ray, config.timing_query == Query::all ? "all" : "first", sample.censored});
     progress.advance();
     return !interrupted();
   });
@@ -440,7 +452,8 @@ void time_family(const SweepConfig& config, const Subject& subject, const CaseFa
   warn_of_noise(samples, subject, family, store, build);
 }
 
-void run_timing(const SweepConfig& config, const std::vector<Subject>& subjects, Store& store, std::int64_t build) {
+void run_timing(const SweepConfig& config, const std::vector<Subject>& subjects, Store& store,
+                std::int64_t build) {
   if (config.timing_repeats == 0) return;
   const auto done = store.finished_timings(build);
   struct Item {
@@ -479,8 +492,9 @@ void check_same_experiment(const SweepConfig& config, Store& store, const std::s
   for (const auto& [key, value] : identity) {
     const auto stored = store.meta(key);
     if (stored && *stored != value) {
-      throw UsageError(fmt::format("{} holds a run with {} = {}, this configuration has {}: choose another --out",
-                                   out, key, *stored, value));
+      throw UsageError(
+          fmt::format("{} holds a run with {} = {}, this configuration has {}: choose another --out", out,
+                      key, *stored, value));
     }
     store.set_meta(key, value);
   }
@@ -521,9 +535,8 @@ SweepConfig read_sweep_config(const std::string& path) {
     config.solvers.push_back(at_its_place(word, path, "solvers", parse_solver));
   }
   for (const auto& word : fields.words("cases")) {
-    config.cases.push_back(at_its_place(word, path, "cases", [](const std::string& name) {
-      return std::string(find_family(name).name);
-    }));
+    config.cases.push_back(at_its_place(
+        word, path, "cases", [](const std::string& name) { return std::string(find_family(name).name); }));
   }
   fields.get("timing");
   fields.expect_no_others();
@@ -547,8 +560,8 @@ void run_sweep(const SweepConfig& config, const SweepOptions& options) {
   const std::int64_t build = store.build_id();
   const std::vector<Subject> subjects = make_subjects(config, store);
   const std::vector<Work> plan = plan_accuracy(config, subjects, store, build);
-  const std::string resume = fmt::format("interrupted; what is finished is kept in {}: run the same command to go on",
-                                         options.out);
+  const std::string resume =
+      fmt::format("interrupted; what is finished is kept in {}: run the same command to go on", options.out);
   if (!plan.empty()) run_accuracy(config, plan, options.jobs, store, build);
   if (interrupted()) throw Interrupted(resume);
   run_timing(config, subjects, store, build);

@@ -14,16 +14,17 @@ struct SweepConfig {
   std::string path, text;
   std::string name, title;
   std::uint64_t seed = 1;
-  std::size_t rays = 1000;          ///< a family
-  double match_radius = 1e-6;       ///< see Measure
-  std::size_t keep_all = 20000;     ///< families up to this size keep every record
-  std::size_t sample_every = 100;   ///< beyond it, one record in this many is kept besides the wrong and the worst
+  std::size_t rays = 1000;       ///< a family
+  double match_radius = 1e-6;    ///< see Measure
+  std::size_t keep_all = 20000;  ///< families up to this size keep every record
+  std::size_t sample_every =
+      100;  ///< beyond it, one record in this many is kept besides the wrong and the worst
   std::vector<SurfaceSpec> surfaces;
   std::vector<SolverSpec> solvers;  ///< each in every formulation it takes, unless it names one
   std::vector<std::string> cases;   ///< empty: every family that suits the surface
   int timing_repeats = 7;
-  double timing_budget_ms = 100;    ///< of one turn
-  std::size_t timing_rays = 1000;   ///< a family
+  double timing_budget_ms = 100;   ///< of one turn
+  std::size_t timing_rays = 1000;  ///< a family
   Query timing_query = Query::all;
 };
 
@@ -36,8 +37,8 @@ struct SweepOptions {
   std::string command;  ///< as the user would type it again, for the report
 };
 
-/// Runs what is not finished yet: first accuracy (parallel), then timing (one pinned core). Throws Interrupted
-/// after Ctrl-C with everything finished kept.
+/// Runs what is not finished yet: first accuracy (parallel), then timing (one pinned core). Throws
+/// Interrupted after Ctrl-C with everything finished kept.
 void run_sweep(const SweepConfig& config, const SweepOptions& options);
 
 }  // namespace graze

@@ -21,7 +21,7 @@ TimingSample run_once(const Contestant& contestant, double budget, Scene::Worksp
   const auto start = Clock::now();
   double seconds = 0;
   for (const TimedGroup& group : contestant.groups) {
-    for (std::size_t i = 0; i < group.rays.size() && !sample.censored; ) {
+    for (std::size_t i = 0; i < group.rays.size() && !sample.censored;) {
       // Fast solvers get whole blocks, as in real use; the first step tells which kind this one is.
       const bool fast = sample.rays > 0 && seconds / static_cast<double>(sample.rays) < 1e-5;
       const std::size_t step = std::min(fast ? Scene::kBlock : kStep, group.rays.size() - i);

@@ -17,8 +17,8 @@ toml::table parse_toml(std::string_view text, const std::string& origin) {
   try {
     return toml::parse(text, origin);
   } catch (const toml::parse_error& error) {
-    throw UsageError(fmt::format("{}:{}: not valid TOML: {}", origin, error.source().begin.line,
-                                 error.description()));
+    throw UsageError(
+        fmt::format("{}:{}: not valid TOML: {}", origin, error.source().begin.line, error.description()));
   }
 }
 
@@ -49,8 +49,9 @@ std::vector<double> toml_numbers(const toml::node& node, const std::string& file
                                  std::size_t count) {
   const toml::array* const list = node.as_array();
   if (list == nullptr || (count > 0 && list->size() != count)) {
-    throw UsageError(where(node, file, field) +
-                     (count > 0 ? fmt::format("expected a list of {} numbers", count) : "expected a list of numbers"));
+    throw UsageError(where(node, file, field) + (count > 0
+                                                     ? fmt::format("expected a list of {} numbers", count)
+                                                     : "expected a list of numbers"));
   }
   std::vector<double> numbers;
   for (const toml::node& entry : *list) numbers.push_back(toml_number(entry, file, field));
@@ -65,7 +66,8 @@ ParameterValue toml_parameter(const toml::node& node, const std::string& file, c
     return *text;
   }
   const toml::array* const list = node.as_array();
-  if (list == nullptr) throw UsageError(where(node, file, field) + "expected a number, true/false, a word or a list");
+  if (list == nullptr)
+    throw UsageError(where(node, file, field) + "expected a number, true/false, a word or a list");
   if (list->empty() || !list->front().is_array()) return toml_numbers(node, file, field, 0);
   std::vector<std::vector<double>> rows;
   for (const toml::node& row : *list) rows.push_back(toml_numbers(row, file, field, 0));

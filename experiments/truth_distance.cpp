@@ -66,8 +66,8 @@ ProfileDistance::ProfileDistance(std::vector<Quad> r, std::vector<Quad> y, const
   for (const Quad& c : y_) y_near_.push_back(static_cast<double>(c));
 }
 
-/// Gauss-Newton for the foot point on (side R, Y), from a start nearby; it converges fast because the distance
-/// is small where it matters.
+/// Gauss-Newton for the foot point on (side R, Y), from a start nearby; it converges fast because the
+/// distance is small where it matters.
 Quad ProfileDistance::refine(double start, const Quad& rho, const Quad& height, int side) const {
   constexpr int kSteps = 12;
   Quad t = start;
@@ -96,7 +96,8 @@ double ProfileDistance::operator()(Vec3 point) const {
     std::array<double, kSamples + 1> gap;
     for (int i = 0; i <= kSamples; ++i) {
       const double t = static_cast<double>(i) / kSamples;
-      gap[static_cast<std::size_t>(i)] = std::hypot(side * horner(r_near_, t) - near_rho, horner(y_near_, t) - near_y);
+      gap[static_cast<std::size_t>(i)] =
+          std::hypot(side * horner(r_near_, t) - near_rho, horner(y_near_, t) - near_y);
     }
     for (std::size_t i = 0; i <= kSamples; ++i) {
       const bool lowest = (i == 0 || gap[i] <= gap[i - 1]) && (i == kSamples || gap[i] <= gap[i + 1]);
@@ -104,7 +105,8 @@ double ProfileDistance::operator()(Vec3 point) const {
       const Quad t = refine(static_cast<double>(i) / kSamples, rho, p[1], side);
       const Quad radius = side * horner(r_, t);
       const Quad out = rho == 0 ? Quad(1) : Quad(radius / rho);
-      const Point foot{rho == 0 ? radius : Quad(p[0] * out), horner(y_, t), rho == 0 ? Quad(0) : Quad(p[2] * out)};
+      const Point foot{rho == 0 ? radius : Quad(p[0] * out), horner(y_, t),
+                       rho == 0 ? Quad(0) : Quad(p[2] * out)};
       best = std::min<Quad>(best, world_length(placement_, {foot[0] - p[0], foot[1] - p[1], foot[2] - p[2]}));
     }
   }

@@ -1,4 +1,5 @@
-// Distance of a point from a surface of revolution, in 113-bit arithmetic: the judge's ruler for claimed points.
+// Distance of a point from a surface of revolution, in 113-bit arithmetic: the judge's ruler for claimed
+// points.
 #pragma once
 
 #include <graze/surfaces/ray.hpp>

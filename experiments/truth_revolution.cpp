@@ -517,16 +517,16 @@ double angle(const Intervals& x) {
   return std::atan2(size(x[2]), size(x[0]));
 }
 
-/// The y component, 1 or -1, of the normal where the profile meets the axis: |R| grows away from the first end
-/// and falls towards the last. Within the profile, where it meets the axis in a double tip, that of -R'.
+/// The y component, 1 or -1, of the normal where the profile meets the axis: |R| grows away from the first
+/// end and falls towards the last. Within the profile, where it meets the axis in a double tip, that of -R'.
 int Revolution::pole_sign(const Question& q, Root& root) const {
   if (is_end(root)) return sign(root.m) == 0 ? -orientation_ : orientation_;
   const int slope = sign_at(root, derivative(q.profile.r));
   return slope == 0 ? orientation_ : -slope * orientation_;
 }
 
-/// (Y', -|R|') in the half plane (|R|, y), times |R|: (Y' X, -R R', Y' Z), oriented outward, of any length. At a
-/// pole (0, +-1, 0).
+/// (Y', -|R|') in the half plane (|R|, y), times |R|: (Y' X, -R R', Y' Z), oriented outward, of any length.
+/// At a pole (0, +-1, 0).
 Intervals Revolution::object_normal(const Question& q, Contact& contact, long bits) const {
   const auto whole = [bits](int value) { return Interval::of(Integer(value), bits); };
   if (contact.pole) return {whole(0), whole(pole_sign(q, *contact.root)), whole(0)};

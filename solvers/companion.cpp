@@ -31,7 +31,7 @@ MatrixType companion_matrix(Coefficients c) {
 /// Reinsch 1969): exact, and it makes eigenvalues of badly scaled polynomials accurate.
 template <class MatrixType>
 void balance(MatrixType& matrix) {
-  constexpr int kSweeps = 64;            // each sweep at least halves some row or column; a guard, never reached
+  constexpr int kSweeps = 64;  // each sweep at least halves some row or column; a guard, never reached
   constexpr double kWorthwhile = 0.95;  // Parlett and Reinsch: rescale only where it shrinks the sum by 5 %
   bool changed = true;
   for (int sweep = 0; changed && sweep < kSweeps; ++sweep) {

@@ -74,7 +74,7 @@ struct ScalarEquation {
 /// f(x) = 0 on [lo, hi] by inclusion functions.
 struct IntervalEquation {
   const void* self = nullptr;
-  Interval (*value)(const void* self, Interval x) = nullptr;      ///< encloses f over x
+  Interval (*value)(const void* self, Interval x) = nullptr;       ///< encloses f over x
   Interval (*derivative)(const void* self, Interval x) = nullptr;  ///< encloses f' over x
   double lo = 0;
   double hi = 0;

@@ -112,7 +112,8 @@ class Search {
     }
     const double centre = mid(x);
     const double radius = std::max(sub_up(x.hi, centre), sub_up(centre, x.lo));
-    roots_.list.push_back({.x = centre, .others = {}, .radius = radius, .multiplicity = 1, .certified = true});
+    roots_.list.push_back(
+        {.x = centre, .others = {}, .radius = radius, .multiplicity = 1, .certified = true});
     const bool neighbours = std::nextafter(x.lo, x.hi) >= x.hi;
     if (width(x) > std::max(eps, grazing_epsilon()) && !neighbours) roots_.status = Status::uncertain;
   }

@@ -1,11 +1,12 @@
 // Inclusion by intervals and bisection, with epsilons by region.
 //
-// solves    f(x) = 0 on [lo, hi] by inclusion functions (form interval), or p(x) = 0 (form polynomial, with the
+// solves    f(x) = 0 on [lo, hi] by inclusion functions (form interval), or p(x) = 0 (form polynomial, with
+// the
 //           coefficients' error bounds); unbounded polynomials within their root bound
 // returns   ok: the listed roots are proved, each alone in [x - radius, x + radius], and there is no other;
-//           uncertain: an interval could neither be proved empty nor shown to hold exactly one root within its
-//           epsilon (touching roots always end here); the listed roots are proved still;
-//           coincident for the zero polynomial
+//           uncertain: an interval could neither be proved empty nor shown to hold exactly one root within
+//           its epsilon (touching roots always end here); the listed roots are proved still; coincident for
+//           the zero polynomial
 // error     radius proved; at most half the root's region's eps (Epsilons), or half the grazing eps where the
 //           slope is so shallow that rounding hides the signs within the former. Defaults where the equation
 //           brings none: kDefaultEps and kDefaultGrazingEps, times the largest |x| asked for

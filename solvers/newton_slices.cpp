@@ -23,7 +23,8 @@ bool iterate(const SystemEquation& equation, Vector x, Root& root, Counters& cou
     last = residual;
     Vector move{};
     if (!slices::solve_linear(jacobian, f, equation.unknowns, move)) break;
-    for (std::size_t i = 0; i < n; ++i) x[i] = slices::step_inside(x[i], -move[i], equation.lo[i], equation.hi[i]);
+    for (std::size_t i = 0; i < n; ++i)
+      x[i] = slices::step_inside(x[i], -move[i], equation.lo[i], equation.hi[i]);
     ++counters.iterations;
   }
   if (!slices::is_root(equation, f)) return false;

@@ -16,7 +16,8 @@ namespace graze {
 
 class NewtonSlices {
  public:
-  static constexpr int kSteps = 50;  ///< a touching root halves its error a step: 50 reach sqrt(u) from anywhere
+  static constexpr int kSteps =
+      50;  ///< a touching root halves its error a step: 50 reach sqrt(u) from anywhere
 
   static SolverInfo info();
   explicit NewtonSlices(const Parameters& options);

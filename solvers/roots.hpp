@@ -38,7 +38,7 @@ struct Counters {
 struct Root {
   double x = 0;                    ///< the root; the first unknown where there are several
   std::array<double, 2> others{};  ///< the further unknowns of a system, in its order
-  double radius = 0;               ///< |x - root| <= radius: proved if `certified`, else the solver's estimate
+  double radius = 0;  ///< |x - root| <= radius: proved if `certified`, else the solver's estimate
   std::uint32_t multiplicity = 1;  ///< as far as the solver can tell; 2 = touches
   bool certified = false;          ///< [x - radius, x + radius] was proved to hold exactly this root
 };

@@ -65,7 +65,9 @@ inline Root root_of_system(const SystemEquation& equation, const Vector& x, cons
     row += solved ? std::fabs(column[0]) : std::numeric_limits<double>::infinity();
   }
   const bool touching = !(row * noise <= touching_width);
-  return {.x = x[0], .others = {x[1], x[2]}, .radius = touching ? touching_width : row * noise,
+  return {.x = x[0],
+          .others = {x[1], x[2]},
+          .radius = touching ? touching_width : row * noise,
           .multiplicity = touching ? 2U : 1U};
 }
 
@@ -82,7 +84,8 @@ inline bool is_root(double x, const Jet& jet) { return std::fabs(jet.f) <= noise
 inline Root root_of_scalar(double x, const Jet& jet) {
   const double open = noise(x, jet);
   const bool touching = jet.df * jet.df <= 2 * std::fabs(jet.ddf) * open;
-  const double radius = touching ? 2 * std::sqrt(2 * open / std::fabs(jet.ddf)) : 2 * open / std::fabs(jet.df);
+  const double radius =
+      touching ? 2 * std::sqrt(2 * open / std::fabs(jet.ddf)) : 2 * open / std::fabs(jet.df);
   return {.x = x, .others = {}, .radius = radius, .multiplicity = touching ? 2U : 1U};
 }
 
@@ -103,7 +106,8 @@ inline void add_distinct(Roots& roots, const Root& found) {
 /// Starts `tries` times from `start(rng)`, iterates by `local`, and collects the distinct roots in ascending
 /// order. Ends early when max_roots are found. `local(x, root)` returns whether it converged to a root.
 template <class Start, class Local>
-void search(std::uint64_t seed, int tries, int max_roots, Roots& roots, const Start& start, const Local& local) {
+void search(std::uint64_t seed, int tries, int max_roots, Roots& roots, const Start& start,
+            const Local& local) {
   Rng rng(seed);
   for (int i = 0; i < tries; ++i) {
     Vector x{};

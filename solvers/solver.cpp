@@ -4,21 +4,30 @@ namespace graze {
 
 std::string_view to_string(Status status) {
   switch (status) {
-    case Status::ok: return "ok";
-    case Status::uncertain: return "uncertain";
-    case Status::failed: return "failed";
-    case Status::coincident: return "coincident";
-    case Status::invalid: return "invalid";
+    case Status::ok:
+      return "ok";
+    case Status::uncertain:
+      return "uncertain";
+    case Status::failed:
+      return "failed";
+    case Status::coincident:
+      return "coincident";
+    case Status::invalid:
+      return "invalid";
   }
   return "?";
 }
 
 std::string_view to_string(Form form) {
   switch (form) {
-    case Form::polynomial: return "polynomial";
-    case Form::scalar: return "scalar";
-    case Form::interval: return "interval";
-    case Form::system: return "system";
+    case Form::polynomial:
+      return "polynomial";
+    case Form::scalar:
+      return "scalar";
+    case Form::interval:
+      return "interval";
+    case Form::system:
+      return "system";
   }
   return "?";
 }

@@ -46,7 +46,7 @@ concept Solves = requires(const S& solver, const Equation& equation, Roots& root
 
 template <class S>
 concept Solver = (Solves<S, PolynomialEquation> || Solves<S, ScalarEquation> || Solves<S, IntervalEquation> ||
-                  Solves<S, SystemEquation>)&&std::constructible_from<S, const Parameters&> && requires {
+                  Solves<S, SystemEquation>)&&std::constructible_from<S, const Parameters&>&& requires {
   { S::info() } -> std::same_as<SolverInfo>;
 };
 
@@ -70,10 +70,14 @@ class SolverModel final : public AnySolver {
 
   [[nodiscard]] bool takes(Form form) const override {
     switch (form) {
-      case Form::polynomial: return Solves<S, PolynomialEquation>;
-      case Form::scalar: return Solves<S, ScalarEquation>;
-      case Form::interval: return Solves<S, IntervalEquation>;
-      case Form::system: return Solves<S, SystemEquation>;
+      case Form::polynomial:
+        return Solves<S, PolynomialEquation>;
+      case Form::scalar:
+        return Solves<S, ScalarEquation>;
+      case Form::interval:
+        return Solves<S, IntervalEquation>;
+      case Form::system:
+        return Solves<S, SystemEquation>;
     }
     return false;
   }

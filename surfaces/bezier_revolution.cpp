@@ -141,7 +141,9 @@ struct PieceAlongRay {
   }
 
   static Jet eval(const void* self, double x) { return static_cast<const PieceAlongRay*>(self)->jet(x); }
-  static Interval value(const void* self, Interval x) { return static_cast<const PieceAlongRay*>(self)->f(x); }
+  static Interval value(const void* self, Interval x) {
+    return static_cast<const PieceAlongRay*>(self)->f(x);
+  }
   static Interval derivative(const void* self, Interval x) {
     return static_cast<const PieceAlongRay*>(self)->df(x);
   }
@@ -229,8 +231,8 @@ bool piece_range(const MonotonePiece& piece, const LocalRay& ray, double& lo, do
 }
 
 /// The regions on a piece as deltas of this ray, ascending.
-Epsilons epsilons_along(const BezierRegions& regions, const BezierProfile& profile, const MonotonePiece& piece,
-                        const LocalRay& ray, double unit, Arena& arena) {
+Epsilons epsilons_along(const BezierRegions& regions, const BezierProfile& profile,
+                        const MonotonePiece& piece, const LocalRay& ray, double unit, Arena& arena) {
   const double per_length = unit / norm(ray.d);
   const std::span<Region> parts = arena.array<Region>(BezierRegions::kParts);
   const bool upward = (ray.d.y >= 0) == piece.rising;
@@ -306,7 +308,8 @@ double BezierProfile::t_of_height(double height, double u) const {
     if (piece.y_lo <= height && height <= piece.y_hi) reaching[count++] = &piece;
   }
   if (count == 0) return u;  // flat, or beyond the ends: any t is as good
-  return invert(*reaching[std::min(count - 1, static_cast<std::size_t>(u * static_cast<double>(count)))], height);
+  return invert(*reaching[std::min(count - 1, static_cast<std::size_t>(u * static_cast<double>(count)))],
+                height);
 }
 
 // ---------------------------------------------------------------------------------------------- polynomial
@@ -327,8 +330,10 @@ BezierPolynomial::BezierPolynomial(const BezierRevolution& surface)
 }
 
 FormulationInfo BezierPolynomial::info() {
-  return {"polynomial", "q_y^2 R(t)^2 = |q_xz (Y(t) - p_y) + q_y p_xz|^2 in t, Bernstein basis, recentred",
-          "document 000's equation for any profile; Bernstein product formula", {Form::polynomial}};
+  return {"polynomial",
+          "q_y^2 R(t)^2 = |q_xz (Y(t) - p_y) + q_y p_xz|^2 in t, Bernstein basis, recentred",
+          "document 000's equation for any profile; Bernstein product formula",
+          {Form::polynomial}};
 }
 
 template <class T>
@@ -362,19 +367,20 @@ void BezierPolynomial::pose_circles(const LocalRay& ray, EquationBlock& block) c
   for (std::size_t i = 0; i < profile_.pieces.size(); ++i) {
     const MonotonePiece& piece = profile_.pieces[i];
     if (ray.o.y < piece.y_lo || ray.o.y > piece.y_hi) continue;
-    pose_polynomial(block, kCircle + static_cast<std::uint32_t>(i), Basis::power, ray.lo, ray.hi, {}, [&](auto number) {
-      using T = decltype(number);
-      T radius;
-      if constexpr (std::is_same_v<T, Interval>) {
-        const Interval t = PieceAlongRay(profile_, piece, ray).parameter(point(ray.o.y));
-        radius = bernstein_evaluate(profile_.r, {}, t);
-      } else {
-        radius = profile_.at(profile_.invert(piece, ray.o.y)).r;
-      }
-      const auto [px, py, pz] = recentred_point<T>(ray);
-      const T dx = exactly<T>(ray.d.x), dz = exactly<T>(ray.d.z);
-      return revolution::circle_coefficients<T>(px, pz, dx, dz, radius);
-    });
+    pose_polynomial(block, kCircle + static_cast<std::uint32_t>(i), Basis::power, ray.lo, ray.hi, {},
+                    [&](auto number) {
+                      using T = decltype(number);
+                      T radius;
+                      if constexpr (std::is_same_v<T, Interval>) {
+                        const Interval t = PieceAlongRay(profile_, piece, ray).parameter(point(ray.o.y));
+                        radius = bernstein_evaluate(profile_.r, {}, t);
+                      } else {
+                        radius = profile_.at(profile_.invert(piece, ray.o.y)).r;
+                      }
+                      const auto [px, py, pz] = recentred_point<T>(ray);
+                      const T dx = exactly<T>(ray.d.x), dz = exactly<T>(ray.d.z);
+                      return revolution::circle_coefficients<T>(px, pz, dx, dz, radius);
+                    });
   }
 }
 
@@ -426,8 +432,10 @@ BezierAlongRay::BezierAlongRay(const BezierRevolution& surface)
     : profile(surface.profile), regions(surface.regions) {}
 
 FormulationInfo BezierAlongRay::info() {
-  return {"along_ray", "F(l) = R(t(y))^2 - |x_xz|^2 in l on each monotone piece of Y, recentred",
-          "graze (surfaces/bezier_revolution.md)", {Form::scalar, Form::interval}};
+  return {"along_ray",
+          "F(l) = R(t(y))^2 - |x_xz|^2 in l on each monotone piece of Y, recentred",
+          "graze (surfaces/bezier_revolution.md)",
+          {Form::scalar, Form::interval}};
 }
 
 void BezierAlongRay::pose(const LocalRay& ray, EquationBlock& block) const {
@@ -447,9 +455,10 @@ void BezierAlongRay::pose(const LocalRay& ray, EquationBlock& block) const {
       block.pose(ScalarEquation{self, &PieceAlongRay::eval, lo, hi, 0, hash_combine(ray.seed(), i)}, kind);
     } else {
       self->prepare_intervals();
-      block.pose(IntervalEquation{self, &PieceAlongRay::value, &PieceAlongRay::derivative, lo, hi,
-                                  epsilons_along(regions, profile, profile.pieces[i], ray, unit, block.arena())},
-                 kind);
+      block.pose(
+          IntervalEquation{self, &PieceAlongRay::value, &PieceAlongRay::derivative, lo, hi,
+                           epsilons_along(regions, profile, profile.pieces[i], ray, unit, block.arena())},
+          kind);
     }
   }
 }
@@ -468,8 +477,10 @@ void BezierAlongRay::lift(const LocalRay& ray, const Posed& posed, const Root& r
 BezierSystem::BezierSystem(const BezierRevolution& surface) : profile(surface.profile) {}
 
 FormulationInfo BezierSystem::info() {
-  return {"system", "o + l d = S(t, theta): three equations in (l, t, theta), recentred",
-          "document 003 with the sign of its Jacobian corrected", {Form::system}};
+  return {"system",
+          "o + l d = S(t, theta): three equations in (l, t, theta), recentred",
+          "document 003 with the sign of its Jacobian corrected",
+          {Form::system}};
 }
 
 void BezierSystem::lift(const LocalRay& /*ray*/, const Posed& /*posed*/, const Root& root,
@@ -504,12 +515,15 @@ BezierRevolution::BezierRevolution(const SurfaceSpec& spec) {
     lowest = std::min(lowest, p[1]);
     highest = std::max(highest, p[1]);
   }
-  const bool all_equal = std::all_of(points.begin(), points.end(), [&](const auto& p) { return p == points[0]; });
+  const bool all_equal =
+      std::all_of(points.begin(), points.end(), [&](const auto& p) { return p == points[0]; });
   if (all_equal) throw std::invalid_argument("control_points: all points are equal, which is no surface");
-  if (largest_r == 0) throw std::invalid_argument("control_points: all points lie on the axis, which is no surface");
+  if (largest_r == 0)
+    throw std::invalid_argument("control_points: all points lie on the axis, which is no surface");
 
   size_ = std::max(largest_r, highest - lowest);
-  if (!std::isfinite(size_)) throw std::invalid_argument("control_points: the heights span more than a double holds");
+  if (!std::isfinite(size_))
+    throw std::invalid_argument("control_points: the heights span more than a double holds");
   unit_ = exponent_of(size_);
   std::vector<double> r, y;
   for (const auto& p : points) {

@@ -21,15 +21,15 @@ struct BezierRevolution;
 
 /// A part of the profile on which Y is monotone.
 struct MonotonePiece {
-  double t_lo = 0, t_hi = 1;        ///< ends as found; exact at 0 and 1
+  double t_lo = 0, t_hi = 1;          ///< ends as found; exact at 0 and 1
   double slack_lo = 0, slack_hi = 0;  ///< the true extremum of Y lies within this of the end
-  double y_lo = 0, y_hi = 0;        ///< Y(t_lo), Y(t_hi) in ascending order
+  double y_lo = 0, y_hi = 0;          ///< Y(t_lo), Y(t_hi) in ascending order
   bool rising = true;
 };
 
 /// The profile in local units, with what is derived from it once.
 struct BezierProfile {
-  std::vector<double> r, y;  ///< control values
+  std::vector<double> r, y;           ///< control values
   std::vector<MonotonePiece> pieces;  ///< empty when Y is constant (flat)
   Cylinder cylinder;
   double orientation = 1;  ///< sign of the enclosed volume
@@ -50,7 +50,7 @@ struct BezierRegions {
   static constexpr std::array<std::string_view, 4> kNames{"bottom", "body", "apex", "grazing"};
   static constexpr std::size_t kParts = 3;
   static constexpr std::array<double, kParts> kEnds{0.0625, 0.9375, 1.0};  ///< upper ends in t
-  std::array<double, 4> eps{};  ///< in units of the surface's size
+  std::array<double, 4> eps{};                                             ///< in units of the surface's size
 };
 
 /// q_y^2 R^2 - |q_xz (Y - p_y) + q_y p_xz|^2 in t, Bernstein basis of degree 2n, recentred.
@@ -71,7 +71,8 @@ struct BezierPolynomial {
   std::vector<Interval> weights_;  ///< C(n,i) C(n,j) / C(2n,i+j), row i
 };
 
-/// F(delta) = R(t(y))^2 - |p_xz|^2 on every monotone piece of Y: one equation a piece, smooth through q_y = 0.
+/// F(delta) = R(t(y))^2 - |p_xz|^2 on every monotone piece of Y: one equation a piece, smooth through q_y =
+/// 0.
 struct BezierAlongRay {
   static FormulationInfo info();
   explicit BezierAlongRay(const BezierRevolution& surface);

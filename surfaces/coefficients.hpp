@@ -94,7 +94,8 @@ inline void pose_coefficients(EquationBlock& block, std::uint32_t kind, Polynomi
 template <class Make>
 void pose_polynomial(EquationBlock& block, std::uint32_t kind, Basis basis, double lo, double hi,
                      const Epsilons& epsilons, const Make& make) {
-  const PolynomialEquation equation{.c = {}, .c_error = {}, .basis = basis, .lo = lo, .hi = hi, .epsilons = epsilons};
+  const PolynomialEquation equation{
+      .c = {}, .c_error = {}, .basis = basis, .lo = lo, .hi = hi, .epsilons = epsilons};
   if (block.wants_coefficient_errors()) {
     const auto c = make(Interval{});
     pose_coefficients(block, kind, equation, std::span<const Interval>(c));

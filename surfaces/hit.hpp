@@ -21,17 +21,18 @@ struct Wanted {
   bool params = false;
 };
 
-/// Answers of a batch of rays, in the order of the rays. Hits of ray i: indices [begin(i), end(i)), sorted by l.
+/// Answers of a batch of rays, in the order of the rays. Hits of ray i: indices [begin(i), end(i)), sorted by
+/// l.
 class HitBuffer {
  public:
-  std::vector<double> l;                         ///< in units of |d|, > 0
-  std::vector<std::uint32_t> surface;            ///< index in the scene
-  std::vector<std::uint32_t> multiplicity;       ///< 2 = touches
-  std::vector<Vec3> point;                       ///< if wanted
-  std::vector<Vec3> normal;                      ///< if wanted: outward, unit
-  std::vector<std::array<double, 2>> params;     ///< if wanted: named by the surface's info
-  std::vector<Status> status;                    ///< one a ray
-  std::vector<Counters> counters;                ///< one a ray
+  std::vector<double> l;                      ///< in units of |d|, > 0
+  std::vector<std::uint32_t> surface;         ///< index in the scene
+  std::vector<std::uint32_t> multiplicity;    ///< 2 = touches
+  std::vector<Vec3> point;                    ///< if wanted
+  std::vector<Vec3> normal;                   ///< if wanted: outward, unit
+  std::vector<std::array<double, 2>> params;  ///< if wanted: named by the surface's info
+  std::vector<Status> status;                 ///< one a ray
+  std::vector<Counters> counters;             ///< one a ray
 
   [[nodiscard]] std::size_t rays() const { return status.size(); }
   [[nodiscard]] std::size_t begin(std::size_t ray) const { return ray == 0 ? 0 : ends_[ray - 1]; }

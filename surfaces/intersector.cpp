@@ -102,7 +102,8 @@ void Intersector::intersect(std::span<const Ray> rays, Workspace& work) const {
 
   work.status.assign(rays.size(), Status::ok);
   work.counters.assign(rays.size(), {});
-  for (const auto& [ray, status] : work.equations.settled()) work.status[ray] = worse(work.status[ray], status);
+  for (const auto& [ray, status] : work.equations.settled())
+    work.status[ray] = worse(work.status[ray], status);
   const std::size_t count = work.equations.posed().size();
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t ray = work.equations.posed()[i].ray;
@@ -125,10 +126,14 @@ void Intersector::solve(Workspace& work) const {
   if (work.roots.size() < count) work.roots.resize(count);
   const std::span<Roots> roots{work.roots.data(), count};
   switch (pairing_.form) {
-    case Form::polynomial: return solver_->solve(work.equations.polynomials(), roots);
-    case Form::scalar: return solver_->solve(work.equations.scalars(), roots);
-    case Form::interval: return solver_->solve(work.equations.intervals(), roots);
-    case Form::system: return solver_->solve(work.equations.systems(), roots);
+    case Form::polynomial:
+      return solver_->solve(work.equations.polynomials(), roots);
+    case Form::scalar:
+      return solver_->solve(work.equations.scalars(), roots);
+    case Form::interval:
+      return solver_->solve(work.equations.intervals(), roots);
+    case Form::system:
+      return solver_->solve(work.equations.systems(), roots);
   }
 }
 
@@ -179,7 +184,8 @@ void Scene::merge_equal(std::vector<SceneHit>& hits) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     SceneHit* const last = kept > 0 ? &hits[kept - 1] : nullptr;
-    if (last != nullptr && last->ray == hits[i].ray && last->l == hits[i].l && last->surface == hits[i].surface) {
+    if (last != nullptr && last->ray == hits[i].ray && last->l == hits[i].l &&
+        last->surface == hits[i].surface) {
       last->local.multiplicity += hits[i].local.multiplicity;
     } else {
       hits[kept++] = hits[i];

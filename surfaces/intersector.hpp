@@ -42,7 +42,9 @@ class Intersector {
   void intersect(std::span<const Ray> rays, Workspace& work) const;
 
   [[nodiscard]] const Pairing& pairing() const { return pairing_; }
-  [[nodiscard]] const FormulationInfo& formulation() const { return surface_->formulations()[pairing_.formulation]; }
+  [[nodiscard]] const FormulationInfo& formulation() const {
+    return surface_->formulations()[pairing_.formulation];
+  }
   [[nodiscard]] double size() const { return surface_->size(); }
 
  private:
@@ -81,7 +83,8 @@ class Scene {
   /// Appends the answers of all rays to `out`, in order. Rays that are no question (not finite, no
   /// direction) get Status::invalid. Never throws for numbers; cost: one virtual call a stage, a surface and
   /// a block of kBlock rays.
-  void intersect(std::span<const Ray> rays, Query query, Wanted wanted, Workspace& work, HitBuffer& out) const;
+  void intersect(std::span<const Ray> rays, Query query, Wanted wanted, Workspace& work,
+                 HitBuffer& out) const;
 
   static constexpr std::size_t kBlock = 256;  ///< the working set of a block stays in the L2 cache
 

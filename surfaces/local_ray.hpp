@@ -16,12 +16,12 @@ namespace graze {
 /// Recentred (MATHS: far origin): x = p + delta d with delta = l - centre, p = fma(centre, d, o) rounded once
 /// a coordinate; centre is a double near the ray's closest approach to the surface, 0 when o is near anyway.
 struct LocalRay {
-  Vec3 o;                  ///< origin
-  Vec3 d;                  ///< direction, max |d_i| in [1, 2)
-  double centre = 0;       ///< l of p
-  Vec3 p;                  ///< the point of the ray at l = centre
-  int l_exponent = 0;      ///< l of the world = l here * 2^l_exponent
-  double lo = 0, hi = 0;   ///< delta range inside the bounds, outward rounded; lo >= -centre (l >= 0)
+  Vec3 o;                 ///< origin
+  Vec3 d;                 ///< direction, max |d_i| in [1, 2)
+  double centre = 0;      ///< l of p
+  Vec3 p;                 ///< the point of the ray at l = centre
+  int l_exponent = 0;     ///< l of the world = l here * 2^l_exponent
+  double lo = 0, hi = 0;  ///< delta range inside the bounds, outward rounded; lo >= -centre (l >= 0)
 
   /// The point at delta, one rounding a coordinate.
   [[nodiscard]] Vec3 at(double delta) const {

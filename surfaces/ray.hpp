@@ -47,8 +47,6 @@ struct Ray {
 };
 
 /// A ray that is a question: finite, with a direction.
-inline bool is_valid(const Ray& ray) {
-  return is_finite(ray.o) && is_finite(ray.d) && max_abs(ray.d) > 0;
-}
+inline bool is_valid(const Ray& ray) { return is_finite(ray.o) && is_finite(ray.d) && max_abs(ray.d) > 0; }
 
 }  // namespace graze

@@ -17,7 +17,9 @@ const Entry& find_entry(const std::vector<Entry>& entries, std::string_view what
 
 }  // namespace
 
-const SolverEntry& find_solver(std::string_view name) { return find_entry(solver_registry(), "solver", name); }
+const SolverEntry& find_solver(std::string_view name) {
+  return find_entry(solver_registry(), "solver", name);
+}
 const SurfaceEntry& find_surface(std::string_view name) {
   return find_entry(surface_registry(), "surface", name);
 }

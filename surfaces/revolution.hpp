@@ -3,9 +3,10 @@
 //
 // A Profile is a plain struct with the curve (R(t), Y(t)), t in [0, 1], in local units:
 //   ProfilePoint at(double t) const;                       // R, Y and their first derivatives
-//   double t_of_height(double y, double u) const;          // some t with Y(t) near y; u in [0,1) picks one of several
-//   Cylinder bounds() const;                               // encloses the surface, outward rounded
-//   int max_hits() const;                                  // most distinct hits of a ray; 0 = not known
+//   double t_of_height(double y, double u) const;          // some t with Y(t) near y; u in [0,1) picks one
+//   of several Cylinder bounds() const;                               // encloses the surface, outward
+//   rounded int max_hits() const;                                  // most distinct hits of a ray; 0 = not
+//   known
 #pragma once
 
 #include <algorithm>

@@ -18,11 +18,11 @@ struct Placement {
 };
 
 struct SurfaceSpec {
-  std::string type;                     ///< registry name, such as "teardrop"
-  Parameters parameters;                ///< such as s = 1
+  std::string type;       ///< registry name, such as "teardrop"
+  Parameters parameters;  ///< such as s = 1
   Placement placement;
-  std::string name;                     ///< the user's name for it, may be empty
-  std::map<std::string, double> eps;    ///< per-region epsilons, in units of the surface's size
+  std::string name;                   ///< the user's name for it, may be empty
+  std::map<std::string, double> eps;  ///< per-region epsilons, in units of the surface's size
 };
 
 /// Throws std::invalid_argument unless the placement is finite and its matrix is invertible.

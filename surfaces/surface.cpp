@@ -12,7 +12,8 @@ void check_names(const SurfaceSpec& spec, std::string_view type, const SurfaceIn
       throw std::invalid_argument(unknown_name_message("eps region of " + std::string(type), region, known));
     }
     if (!std::isfinite(eps) || eps <= 0) {
-      throw std::invalid_argument("eps." + region + " must be a positive number (in units of the surface's size)");
+      throw std::invalid_argument("eps." + region +
+                                  " must be a positive number (in units of the surface's size)");
     }
   }
   check_placement(spec.placement);

@@ -26,7 +26,8 @@ struct LocalHit {
   std::uint32_t multiplicity = 1;
   double delta = 0;  ///< l - centre of its LocalRay
   double t = 0;
-  bool in_doubt = false;  ///< a proved root whose enclosure does not locate the hit: see SurfaceModel::in_doubt
+  bool in_doubt =
+      false;  ///< a proved root whose enclosure does not locate the hit: see SurfaceModel::in_doubt
 };
 
 /// Normal and parameters of a hit in object space.
@@ -44,10 +45,10 @@ struct SurfaceSample {
 
 /// What case families aim at, in object space.
 struct Landmarks {
-  Vec3 centre;               ///< middle of the bounds
-  Vec3 half;                 ///< half their extent along x, y, z
-  std::vector<Vec3> poles;   ///< points where the surface meets its axis, or other singular points
-  bool has_axis = false;     ///< a surface of revolution about y
+  Vec3 centre;              ///< middle of the bounds
+  Vec3 half;                ///< half their extent along x, y, z
+  std::vector<Vec3> poles;  ///< points where the surface meets its axis, or other singular points
+  bool has_axis = false;    ///< a surface of revolution about y
 };
 
 struct FormulationInfo {
@@ -115,7 +116,8 @@ class AnySurface {
   [[nodiscard]] virtual Landmarks landmarks() const = 0;
   /// Rays into the surface's frame. rays[i] of the object space becomes local[i]; inside[i] says whether it
   /// can hit at all.
-  virtual void localize(std::span<const Ray> rays, std::span<LocalRay> local, std::span<bool> inside) const = 0;
+  virtual void localize(std::span<const Ray> rays, std::span<LocalRay> local,
+                        std::span<bool> inside) const = 0;
   /// Poses the equations of every ray that is `inside`, in the block's form.
   virtual void pose(std::size_t formulation, std::span<const LocalRay> rays, std::span<const bool> inside,
                     EquationBlock& block) const = 0;
@@ -197,7 +199,12 @@ class SurfaceModel final : public AnySurface {
       if (i == index) function(f);
       found = found || i == index;
     };
-    std::apply([&](const auto&... f) { std::size_t i = 0; (try_one(i++, f), ...); }, formulations_);
+    std::apply(
+        [&](const auto&... f) {
+          std::size_t i = 0;
+          (try_one(i++, f), ...);
+        },
+        formulations_);
     if (!found) throw std::logic_error("graze: formulation index out of range");
   }
 
@@ -208,7 +215,8 @@ class SurfaceModel final : public AnySurface {
   template <class F>
   static bool in_doubt(const F& f, const LocalRay& ray, const Posed& posed, const Root& root, std::size_t h,
                        std::vector<LocalHit>& hits) {
-    constexpr double kLocated = 0x1p-22;  // four times the default grazing epsilon, the widest that a root has
+    constexpr double kLocated =
+        0x1p-22;  // four times the default grazing epsilon, the widest that a root has
     const double scale = 1 + std::fabs(ray.centre);
     const double noise = 0x1p-49 * scale;
     double lo = hits[h].delta - noise;
@@ -249,9 +257,8 @@ struct SurfaceEntry {
 template <SurfaceType S>
 SurfaceEntry surface_entry(std::string_view name) {
   SurfaceEntry entry{name, S::info(), {}, {}};
-  []<class... F>(std::tuple<F...>*, std::vector<FormulationInfo>& list) {
-    (list.push_back(F::info()), ...);
-  }(static_cast<typename S::Formulations*>(nullptr), entry.formulations);
+  []<class... F>(std::tuple<F...>*, std::vector<FormulationInfo>& list) { (list.push_back(F::info()), ...); }(
+      static_cast<typename S::Formulations*>(nullptr), entry.formulations);
   entry.make = [name](const SurfaceSpec& spec) -> std::unique_ptr<AnySurface> {
     check_names(spec, name, S::info());
     return std::make_unique<SurfaceModel<S>>(spec);

@@ -56,7 +56,8 @@ bool pose_special_case(const TeardropProfile& profile, const LocalRay& ray, Vec3
     pose_polynomial(block, kCircle, Basis::power, ray.lo - shift, ray.hi - shift, {}, [&](auto number) {
       using T = decltype(number);
       const T radius = radius_at_height<T>(exactly<T>(profile.m), exactly<T>(ray.o.y));
-      return revolution::circle_coefficients<T>(exactly<T>(o.x), exactly<T>(o.z), exactly<T>(ray.d.x), exactly<T>(ray.d.z), radius);
+      return revolution::circle_coefficients<T>(exactly<T>(o.x), exactly<T>(o.z), exactly<T>(ray.d.x),
+                                                exactly<T>(ray.d.z), radius);
     });
     return true;
   }
@@ -71,8 +72,8 @@ bool pose_special_case(const TeardropProfile& profile, const LocalRay& ray, Vec3
   return false;
 }
 
-void lift_from_t(const TeardropProfile& profile, const LocalRay& ray, double y, double shift, const Posed& posed,
-                 const Root& root, std::vector<LocalHit>& hits) {
+void lift_from_t(const TeardropProfile& profile, const LocalRay& ray, double y, double shift,
+                 const Posed& posed, const Root& root, std::vector<LocalHit>& hits) {
   LocalHit hit{.multiplicity = root.multiplicity};
   if (posed.kind == kCircle) {
     hit.delta = root.x + shift;
@@ -118,8 +119,8 @@ struct HeightProfile {
 /// One ray's F(delta) = R^2 - |p_xz|^2, for points and for intervals. See also AlongAxis.
 struct AlongRay {
   double m;
-  double top;        ///< 6 m rounded
-  double top_tail;   ///< 6 m - top
+  double top;       ///< 6 m rounded
+  double top_tail;  ///< 6 m - top
   HeightProfile profile;
   LocalRay ray;
   Interval px, py, pz;  ///< the exact point at delta = 0
@@ -140,7 +141,9 @@ struct AlongRay {
 
   static Jet eval(const void* self, double delta) { return static_cast<const AlongRay*>(self)->jet(delta); }
   static Interval value(const void* self, Interval x) { return static_cast<const AlongRay*>(self)->f(x); }
-  static Interval derivative(const void* self, Interval x) { return static_cast<const AlongRay*>(self)->df(x); }
+  static Interval derivative(const void* self, Interval x) {
+    return static_cast<const AlongRay*>(self)->df(x);
+  }
 
   /// F, F', F''. With t = sqrt(y / 6m): (R^2)' = 3/2 m (1-t)(2+t)(2-2t-3t^2), and
   /// (R^2)'' = -1/4 ((1 + 1/2t)(2-2t-3t^2) + (1-t)(2+t)(3 + 1/t)) in y.
@@ -189,23 +192,29 @@ struct AlongRay {
 };
 
 /// A ray parallel to the axis at distance u. R^2 - u^2 has (nearly) double zeros at the apex, R - u an
-/// infinite slope at the bottom. Intervals take R - u, continued beyond the poles with the other sign, so that a
-/// root at a pole is a change of sign like any other. Points take (R^2 - u^2) / (9/2 m (1 - v) + u), v = y/6m:
-/// like R - u near the apex, like R^2 - u^2 elsewhere, with the same zeros since the divisor is positive.
+/// infinite slope at the bottom. Intervals take R - u, continued beyond the poles with the other sign, so
+/// that a root at a pole is a change of sign like any other. Points take (R^2 - u^2) / (9/2 m (1 - v) + u), v
+/// = y/6m: like R - u near the apex, like R^2 - u^2 elsewhere, with the same zeros since the divisor is
+/// positive.
 struct AlongAxis {
   HeightProfile profile;
   LocalRay ray;
-  double u;             ///< rounded
+  double u;  ///< rounded
   Interval u_enclosed;
   Interval py;
 
   AlongAxis(const TeardropProfile& curve, const LocalRay& local)
-      : profile{curve.m}, ray(local), u(std::hypot(local.o.x, local.o.z)),
-        u_enclosed(sqrt(sqr(point(local.o.x)) + sqr(point(local.o.z)))), py(recentred_point<Interval>(local)[1]) {}
+      : profile{curve.m},
+        ray(local),
+        u(std::hypot(local.o.x, local.o.z)),
+        u_enclosed(sqrt(sqr(point(local.o.x)) + sqr(point(local.o.z)))),
+        py(recentred_point<Interval>(local)[1]) {}
 
   static Jet eval(const void* self, double delta) { return static_cast<const AlongAxis*>(self)->jet(delta); }
   static Interval value(const void* self, Interval x) { return static_cast<const AlongAxis*>(self)->f(x); }
-  static Interval derivative(const void* self, Interval x) { return static_cast<const AlongAxis*>(self)->df(x); }
+  static Interval derivative(const void* self, Interval x) {
+    return static_cast<const AlongAxis*>(self)->df(x);
+  }
 
   [[nodiscard]] Jet jet(double delta) const {
     const double m = profile.m;
@@ -237,7 +246,8 @@ struct AlongAxis {
   [[nodiscard]] Interval radius(double y) const { return y < 0 ? -profile.radius(-y) : profile.radius(y); }
   [[nodiscard]] Interval f(Interval x) const {
     const Interval y = py + point(ray.d.y) * x;
-    return profile.radius_between(std::max(0.0, y.lo), std::max(0.0, y.hi), radius(y.lo), radius(y.hi)) - u_enclosed;
+    return profile.radius_between(std::max(0.0, y.lo), std::max(0.0, y.hi), radius(y.lo), radius(y.hi)) -
+           u_enclosed;
   }
   [[nodiscard]] Interval df(Interval x) const {
     const Interval y = abs(py + point(ray.d.y) * x);
@@ -273,8 +283,10 @@ TeardropSextic::TeardropSextic(const Teardrop& surface)
     : profile(surface.profile), regions(regions_in_t(surface.regions)), grazing_eps(surface.regions.eps[5]) {}
 
 FormulationInfo TeardropSextic::info() {
-  return {"sextic", "R(t)^2 = |A t^2 + B|^2 in t, divided by q_y, about the ray's own origin",
-          "document 000; t in [0,1] closed", {Form::polynomial}};
+  return {"sextic",
+          "R(t)^2 = |A t^2 + B|^2 in t, divided by q_y, about the ray's own origin",
+          "document 000; t in [0,1] closed",
+          {Form::polynomial}};
 }
 
 void TeardropSextic::pose(const LocalRay& ray, EquationBlock& block) const {
@@ -303,8 +315,10 @@ TeardropSexticHomogeneous::TeardropSexticHomogeneous(const Teardrop& surface)
     : profile(surface.profile), regions(regions_in_t(surface.regions)), grazing_eps(surface.regions.eps[5]) {}
 
 FormulationInfo TeardropSexticHomogeneous::info() {
-  return {"sextic_homogeneous", "q_y^2 R(t)^2 = |q_xz (Y(t) - p_y) + q_y p_xz|^2 in t, recentred",
-          "document 000 multiplied by q_y^2; recentred about the closest approach", {Form::polynomial}};
+  return {"sextic_homogeneous",
+          "q_y^2 R(t)^2 = |q_xz (Y(t) - p_y) + q_y p_xz|^2 in t, recentred",
+          "document 000 multiplied by q_y^2; recentred about the closest approach",
+          {Form::polynomial}};
 }
 
 void TeardropSexticHomogeneous::pose(const LocalRay& ray, EquationBlock& block) const {
@@ -316,7 +330,8 @@ void TeardropSexticHomogeneous::pose(const LocalRay& ray, EquationBlock& block) 
     const T m = exactly<T>(profile.m);
     const T qx = exactly<T>(ray.d.x), qy = exactly<T>(ray.d.y), qz = exactly<T>(ray.d.z);
     const auto [px, py, pz] = recentred_point<T>(ray);
-    return sextic_coefficients<T>(m, sqr(qy), 6.0 * m * qx, 6.0 * m * qz, qy * px - qx * py, qy * pz - qz * py);
+    return sextic_coefficients<T>(m, sqr(qy), 6.0 * m * qx, 6.0 * m * qz, qy * px - qx * py,
+                                  qy * pz - qz * py);
   });
 }
 
@@ -331,8 +346,10 @@ TeardropAlongRay::TeardropAlongRay(const Teardrop& surface)
     : profile(surface.profile), regions(surface.regions) {}
 
 FormulationInfo TeardropAlongRay::info() {
-  return {"along_ray", "F(l) = R(t(y))^2 - |x_xz|^2 in l, recentred: smooth through q_y = 0",
-          "graze (surfaces/teardrop.md)", {Form::scalar, Form::interval}};
+  return {"along_ray",
+          "F(l) = R(t(y))^2 - |x_xz|^2 in l, recentred: smooth through q_y = 0",
+          "graze (surfaces/teardrop.md)",
+          {Form::scalar, Form::interval}};
 }
 
 void TeardropAlongRay::pose(const LocalRay& ray, EquationBlock& block) const {
@@ -347,7 +364,8 @@ void TeardropAlongRay::pose(const LocalRay& ray, EquationBlock& block) const {
 }
 
 template <class Function>
-void TeardropAlongRay::pose_function(const Function& function, const LocalRay& ray, EquationBlock& block) const {
+void TeardropAlongRay::pose_function(const Function& function, const LocalRay& ray,
+                                     EquationBlock& block) const {
   const Function* const self = block.arena().make(function);
   if (block.form() == Form::scalar) {
     block.pose(ScalarEquation{self, &Function::eval, ray.lo, ray.hi, profile.max_hits(), ray.seed()});
@@ -369,8 +387,10 @@ void TeardropAlongRay::lift(const LocalRay& ray, const Posed& /*posed*/, const R
 TeardropSystem::TeardropSystem(const Teardrop& surface) : profile(surface.profile) {}
 
 FormulationInfo TeardropSystem::info() {
-  return {"system", "o + l d = S(t, theta): three equations in (l, t, theta), recentred",
-          "document 003 with the sign of its Jacobian corrected", {Form::system}};
+  return {"system",
+          "o + l d = S(t, theta): three equations in (l, t, theta), recentred",
+          "document 003 with the sign of its Jacobian corrected",
+          {Form::system}};
 }
 
 void TeardropSystem::lift(const LocalRay& /*ray*/, const Posed& /*posed*/, const Root& root,

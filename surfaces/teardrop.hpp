@@ -29,7 +29,8 @@ struct TeardropProfile {
     return std::sqrt(std::clamp(y / (6 * m), 0.0, 1.0));
   }
   [[nodiscard]] Cylinder bounds() const {
-    constexpr double kWidestRadius = 1.8933909283226967;  // (14 sqrt 7 - 20) / 9 = 1.89339092832269647..., rounded up
+    constexpr double kWidestRadius =
+        1.8933909283226967;  // (14 sqrt 7 - 20) / 9 = 1.89339092832269647..., rounded up
     return {kWidestRadius * m, 0, 6 * m};
   }
   [[nodiscard]] static int max_hits() { return 2; }  // convex
@@ -37,7 +38,8 @@ struct TeardropProfile {
 
 /// Regions of the surface with an epsilon of their own, ascending in t.
 struct TeardropRegions {
-  static constexpr std::array<std::string_view, 6> kNames{"bottom", "body", "equator", "neck", "apex", "grazing"};
+  static constexpr std::array<std::string_view, 6> kNames{"bottom", "body", "equator",
+                                                          "neck",   "apex", "grazing"};
   static constexpr std::size_t kParts = 5;  ///< the last name is no part of the surface but a class of rays
   /// Upper ends in t. The equator is the band around the widest circle t = 0.5486; the neck begins where the
   /// profile has turned towards the axis; bottom and apex are where y(t) and R(t) become singular in y.
@@ -90,7 +92,9 @@ struct TeardropAlongRay {
 struct TeardropSystem {
   static FormulationInfo info();
   explicit TeardropSystem(const Teardrop& surface);
-  void pose(const LocalRay& ray, EquationBlock& block) const { revolution::System<TeardropProfile>::pose(profile, ray, block); }
+  void pose(const LocalRay& ray, EquationBlock& block) const {
+    revolution::System<TeardropProfile>::pose(profile, ray, block);
+  }
   void lift(const LocalRay& ray, const Posed& posed, const Root& root, std::vector<LocalHit>& hits) const;
 
   TeardropProfile profile;
