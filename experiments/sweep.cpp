@@ -500,6 +500,18 @@ void check_same_experiment(const SweepConfig& config, Store& store, const std::s
   }
 }
 
+/// Blocks are finished whole, so a run grows only from a whole number of them.
+void check_growth(const SweepConfig& config, Store& store, const std::string& out) {
+  const auto stored = store.meta("rays");
+  const std::size_t before = stored ? std::stoul(*stored) : config.rays;
+  if (config.rays > before && before % kCaseBlock != 0) {
+    throw UsageError(fmt::format(
+        "{} holds {} rays a family, which is no multiple of {}: it cannot grow to {}; choose another --out",
+        out, before, kCaseBlock, config.rays));
+  }
+  store.set_meta("rays", fmt::format("{}", std::max(before, config.rays)));
+}
+
 std::string utc_now_text() {
   std::array<char, 32> text{};
   const std::time_t now = std::time(nullptr);
@@ -550,6 +562,7 @@ void run_sweep(const SweepConfig& config, const SweepOptions& options) {
   watch_for_interrupt();
   Store store(options.out);
   check_same_experiment(config, store, options.out);
+  check_growth(config, store, options.out);
   for (const auto& [key, value] : std::map<std::string, std::string>{{"name", config.name},
                                                                      {"title", config.title},
                                                                      {"config", config.text},

@@ -12,14 +12,17 @@ namespace graze {
 namespace {
 
 /// Both forms as residuals of N unknowns with a row-major Jacobian.
+template <int N>
 struct SystemResidual {
-  static constexpr int kUnknowns = 3;
+  static constexpr int kUnknowns = N;
   const SystemEquation& equation;
 
   void operator()(const double* x, double* f, Matrix* jacobian) const {
+    Vector point{};
     Vector values{};
     Matrix rows{};
-    equation.eval(equation.self, {x[0], x[1], x[2]}, values, rows);
+    std::copy_n(x, kUnknowns, point.begin());
+    equation.eval(equation.self, point, values, rows);
     std::copy_n(values.begin(), kUnknowns, f);
     if (jacobian != nullptr) *jacobian = rows;
   }
@@ -93,6 +96,7 @@ ceres::Solver::Options solver_options() {
   options.function_tolerance = kNegligible;
   options.gradient_tolerance = kNegligible;
   options.parameter_tolerance = kParameterTolerance;
+  options.min_lm_diagonal = kNegligible;  // its default damps the last steps to a touching root, where J -> 0
   options.max_num_consecutive_invalid_steps = CeresSlices::kIterations;  // the iteration budget is the limit
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;
@@ -186,9 +190,11 @@ CeresSlices::CeresSlices(const Parameters& options)
       seed_(static_cast<std::uint64_t>(options.integer("seed", 0, 0, 2000000000))),
       tiny_(options.flag("tiny", false)) {}
 
-void CeresSlices::solve(const SystemEquation& equation, Roots& roots) const {
-  const SystemResidual residual{equation};
-  Minimizer<SystemResidual> minimize(tiny_, residual, equation.lo.data(), equation.hi.data(), roots.counters);
+template <int N>
+void CeresSlices::solve_system(const SystemEquation& equation, Roots& roots) const {
+  const SystemResidual<N> residual{equation};
+  Minimizer<SystemResidual<N>> minimize(tiny_, residual, equation.lo.data(), equation.hi.data(),
+                                        roots.counters);
   slices::search(
       hash_combine(equation.seed, seed_), tries_, equation.max_roots, roots,
       [&](Rng& rng, Vector& x) { return equation.start(equation.self, rng, x); },
@@ -201,6 +207,20 @@ void CeresSlices::solve(const SystemEquation& equation, Roots& roots) const {
         root = slices::root_of_system(equation, x, jacobian);
         return slices::is_root(equation, f);
       });
+}
+
+void CeresSlices::solve(const SystemEquation& equation, Roots& roots) const {
+  static_assert(kMaxUnknowns == 3);
+  switch (equation.unknowns) {
+    case 1:
+      return solve_system<1>(equation, roots);
+    case 2:
+      return solve_system<2>(equation, roots);
+    case 3:
+      return solve_system<3>(equation, roots);
+    default:
+      roots.status = Status::invalid;
+  }
 }
 
 void CeresSlices::solve(const ScalarEquation& equation, Roots& roots) const {

@@ -25,6 +25,9 @@ class CeresSlices {
   void solve(const ScalarEquation& equation, Roots& roots) const;
 
  private:
+  template <int N>
+  void solve_system(const SystemEquation& equation, Roots& roots) const;
+
   int tries_;
   std::uint64_t seed_;
   bool tiny_;

@@ -109,19 +109,37 @@ void add_if_real(const Problem& problem, std::complex<double> eigenvalue, bool p
   if (pair && std::fabs(p.value) > tolerance) return;
   const double radius = pair ? eigenvalue.imag() + std::sqrt(kU) * std::fabs(x)
                              : (std::fabs(p.value) + tolerance) / std::fabs(p.derivative);
-  // A root that leaves the closed interval by no more than its own uncertainty belongs to the end.
+  // A root that leaves the closed interval belongs to the end if the end is one by the same measure.
   const double inside = std::clamp(x, problem.lo, problem.hi);
-  if (std::fabs(inside - x) > radius) return;
+  if (inside != x) {
+    ++roots.counters.evaluations;
+    if (std::fabs(evaluate(problem.c, inside).value) > problem.tolerance(inside)) return;
+  }
   roots.list.push_back({.x = inside, .others = {}, .radius = radius, .multiplicity = pair ? 2U : 1U});
 }
 
-/// Sorts, and makes roots that are the same double one root.
-void sort_and_merge(std::vector<Root>& list) {
+/// Are two neighbouring real roots one that rounding has split? A double root x splits by about sqrt(u):
+/// between the two |p| is then no more than the rounding of its own coefficients.
+bool is_split(const Problem& problem, const Root& a, const Root& b, Counters& counters) {
+  if (a.x == b.x) return true;
+  constexpr double kRounding = 4;
+  const double middle = a.x + 0.5 * (b.x - a.x);
+  ++counters.evaluations;
+  return std::fabs(evaluate(problem.c, middle).value) <= kRounding * kU * magnitude_sum(problem.c, middle);
+}
+
+/// Sorts, and makes one root of those that cannot be told apart.
+void sort_and_merge(const Problem& problem, Roots& roots) {
+  std::vector<Root>& list = roots.list;
   std::sort(list.begin(), list.end(), [](const Root& a, const Root& b) { return a.x < b.x; });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < list.size(); ++i) {
-    if (kept > 0 && list[kept - 1].x == list[i].x) {
-      list[kept - 1].multiplicity += list[i].multiplicity;
+    if (kept > 0 && is_split(problem, list[kept - 1], list[i], roots.counters)) {
+      Root& merged = list[kept - 1];
+      const double apart = list[i].x - merged.x;
+      merged.x += 0.5 * apart;
+      merged.radius = apart + std::sqrt(kU) * std::fabs(merged.x);
+      merged.multiplicity += list[i].multiplicity;
     } else {
       list[kept++] = list[i];
     }
@@ -154,7 +172,7 @@ void solve_power(Problem problem, bool polish, Roots& roots) {
   const bool solved = count <= kSmall + 1 ? visit_eigenvalues<Small>(problem.c, visit)
                                           : visit_eigenvalues<Eigen::MatrixXd>(problem.c, visit);
   if (!solved) roots.status = Status::failed;
-  sort_and_merge(roots.list);
+  sort_and_merge(problem, roots);
 }
 
 }  // namespace
@@ -173,6 +191,10 @@ SolverInfo Companion::info() {
 Companion::Companion(const Parameters& options) : polish_(options.flag("polish", false)) {}
 
 void Companion::solve(const PolynomialEquation& equation, Roots& roots) const {
+  if (!is_usable(equation)) {
+    roots.status = Status::invalid;
+    return;
+  }
   if (equation.basis == Basis::power) {
     solve_power({equation.c, equation.c_error, equation.lo, equation.hi}, polish_, roots);
     return;

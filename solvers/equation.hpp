@@ -2,7 +2,9 @@
 // (coefficients, the object behind `self`) lives in the block that made it and outlives the call.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -47,6 +49,13 @@ struct PolynomialEquation {
   double hi = std::numeric_limits<double>::infinity();
   Epsilons epsilons;
 };
+
+/// Finite coefficients and errors, and an interval that is not empty (NaN is none either).
+inline bool is_usable(const PolynomialEquation& equation) {
+  const auto finite = [](double v) { return std::isfinite(v); };
+  return std::all_of(equation.c.begin(), equation.c.end(), finite) &&
+         std::all_of(equation.c_error.begin(), equation.c_error.end(), finite) && equation.lo <= equation.hi;
+}
 
 /// f with two derivatives at a point, and a bound on the rounding error of f.
 struct Jet {

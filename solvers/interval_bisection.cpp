@@ -241,6 +241,10 @@ void IntervalBisection::solve(const IntervalEquation& equation, Roots& roots) co
 }
 
 void IntervalBisection::solve(const PolynomialEquation& equation, Roots& roots) const {
+  if (!is_usable(equation)) {
+    roots.status = Status::invalid;
+    return;
+  }
   const bool exact = equation.c_error.empty();
   const int degree = effective_degree(equation.c);
   if (degree < 0) {

@@ -422,8 +422,8 @@ void BezierPolynomial::lift(const LocalRay& ray, const Posed& posed, const Root&
   const ProfilePoint c = profile_.at(root.x);
   const bool at_pole = (root.x == 0 || root.x == 1) && c.r == 0;
   // The squared equation has a double root at a pole that the ray passes through once.
-  const std::uint32_t multiplicity = at_pole && posed.kind == kSurface ? 1 : root.multiplicity;
-  hits.push_back({.multiplicity = multiplicity, .delta = (c.y - ray.p.y) / ray.d.y, .t = root.x});
+  hits.push_back(revolution::hit_at_height(c.y, ray.p.y, ray.d.y, root.x));
+  hits.back().multiplicity = at_pole && posed.kind == kSurface ? 1 : root.multiplicity;
 }
 
 // ----------------------------------------------------------------------------------------------- along_ray

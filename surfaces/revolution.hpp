@@ -100,6 +100,13 @@ std::array<T, 3> circle_coefficients(T px, T pz, T dx, T dz, T radius) {
   return {sqr(px) + sqr(pz) - sqr(radius), 2.0 * (px * dx + pz * dz), sqr(dx) + sqr(dz)};
 }
 
+/// The hit at height y of the surface, for a ray that climbs: delta from the height over `from`, a coordinate
+/// of the ray that is known to within its own rounding. For flat rays that rounding is all there is.
+inline LocalHit hit_at_height(double y, double from, double d_y, double t) {
+  const double error = 0x1p-51 * (std::fabs(y) + std::fabs(from)) / std::fabs(d_y);
+  return {.delta = (y - from) / d_y, .t = t, .error = error};
+}
+
 /// Normal and theta at a hit of a profile point. `orientation` is the sign of the enclosed volume
 /// pi * integral R^2 dY: +1 when the profile runs upward around the solid. On the axis, where a pole may be a
 /// cone's tip without a tangent plane, the normal is (0, pole_direction, 0).

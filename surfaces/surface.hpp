@@ -26,6 +26,7 @@ struct LocalHit {
   std::uint32_t multiplicity = 1;
   double delta = 0;  ///< l - centre of its LocalRay
   double t = 0;
+  double error = 0;  ///< bound on the rounding of delta by the lift, where it exceeds a few ulps
   bool in_doubt =
       false;  ///< a proved root whose enclosure does not locate the hit: see SurfaceModel::in_doubt
 };
@@ -209,16 +210,16 @@ class SurfaceModel final : public AnySurface {
   }
 
   /// A root is proved within its enclosure, the hit within the enclosure's image: the lifted ends, and the
-  /// rounding of the lift (16 operations on terms of size |centre| and 1, in local units). In doubt if the
-  /// image reaches to both sides of the ray's origin, or is wider than kLocated: then the solver knows that
-  /// there is a hit of the line, but not where.
+  /// rounding of the lift (16 operations on terms of size |centre| and 1, in local units, or the hit's
+  /// error). In doubt if the image reaches to both sides of the ray's origin, or is wider than kLocated: then
+  /// the solver knows that there is a hit of the line, but not where.
   template <class F>
   static bool in_doubt(const F& f, const LocalRay& ray, const Posed& posed, const Root& root, std::size_t h,
                        std::vector<LocalHit>& hits) {
     constexpr double kLocated =
         0x1p-22;  // four times the default grazing epsilon, the widest that a root has
     const double scale = 1 + std::fabs(ray.centre);
-    const double noise = 0x1p-49 * scale;
+    const double noise = 0x1p-49 * scale + hits[h].error;
     double lo = hits[h].delta - noise;
     double hi = hits[h].delta + noise;
     const std::size_t size = hits.size();

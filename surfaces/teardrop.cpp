@@ -74,15 +74,14 @@ bool pose_special_case(const TeardropProfile& profile, const LocalRay& ray, Vec3
 
 void lift_from_t(const TeardropProfile& profile, const LocalRay& ray, double y, double shift,
                  const Posed& posed, const Root& root, std::vector<LocalHit>& hits) {
-  LocalHit hit{.multiplicity = root.multiplicity};
-  if (posed.kind == kCircle) {
-    hit.delta = root.x + shift;
-    hit.t = profile.t_of_height(ray.o.y, 0);
-  } else {
-    hit.t = root.x;
-    hit.delta = (6 * profile.m * root.x * root.x - y) / ray.d.y + shift;
+  LocalHit hit{.delta = root.x + shift, .t = profile.t_of_height(ray.o.y, 0)};
+  hit.multiplicity = root.multiplicity;
+  if (posed.kind != kCircle) {
+    hit = revolution::hit_at_height(6 * profile.m * root.x * root.x, y, ray.d.y, root.x);
+    hit.delta += shift;
     // In t the bottom pole counts twice what it counts in l, for y = 6 m t^2.
-    if (root.x == 0 && posed.kind == kSextic) hit.multiplicity = std::max(1U, root.multiplicity / 2);
+    const bool at_bottom = root.x == 0 && posed.kind == kSextic;
+    hit.multiplicity = at_bottom ? std::max(1U, root.multiplicity / 2) : root.multiplicity;
   }
   hits.push_back(hit);
 }

@@ -146,8 +146,8 @@ class Usage(ProgramTest):
         self.refused(2, ("companion", "takes no form of formulation 'along_ray'"), *BY_COMPANION, "--formulation",
                      "along_ray")
         self.refused(2, ("unknown parameter of teardrop 'size'", "nearest: s"), "truth", "--surface", "teardrop:size=1")
-        self.refused(2, ("unknown parameter of newton_slices 'trys'", "nearest: tries"), "solve", *TEARDROP, "--solver",
-                     "newton_slices:trys=3")
+        self.refused(2, ("unknown parameter of newton_slices 'trees'", "nearest: tries"), "solve", *TEARDROP, "--solver",
+                     "newton_slices:trees=3")
         self.refused(2, ("unknown case 'camra'", "nearest: camera"), "bench", *TEARDROP, "--solver", "companion", "--case",
                      "camra")
         self.refused(2, ("WHAT", "surfaces"), "list", "surface")

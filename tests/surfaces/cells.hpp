@@ -82,7 +82,8 @@ inline std::vector<Cell> all_cells() {
   std::vector<Cell> cells;
   for (const SurfaceEntry& surface : surface_registry()) {
     for (const SolverEntry& solver : solver_registry()) {
-      for (const Pairing pairing : all_pairings(solver, surface)) cells.push_back({&surface, &solver, pairing});
+      for (const Pairing pairing : all_pairings(solver, surface))
+        cells.push_back({&surface, &solver, pairing});
     }
   }
   return cells;
@@ -115,7 +116,8 @@ inline constexpr Wanted kEverything{.points = true, .normals = true, .params = t
 inline std::vector<Answer> answers_of(const HitBuffer& hits) {
   std::vector<Answer> answers;
   for (std::size_t i = 0; i < hits.rays(); ++i) {
-    Answer answer{.status = hits.status[i], .l = {}, .multiplicity = {}, .point = {}, .normal = {}, .params = {}};
+    Answer answer{
+        .status = hits.status[i], .l = {}, .multiplicity = {}, .point = {}, .normal = {}, .params = {}};
     for (std::size_t k = hits.begin(i); k < hits.end(i); ++k) {
       answer.l.push_back(hits.l[k]);
       answer.multiplicity.push_back(hits.multiplicity[k]);
@@ -146,8 +148,9 @@ inline Vec3 random_direction(Rng& rng) {
 inline Ray camera_ray(const AnySurface& surface, Rng& rng) {
   const Landmarks marks = surface.landmarks();
   const Vec3 o = marks.centre + 3 * norm(marks.half) * random_direction(rng);
-  const Vec3 target = marks.centre + Vec3{rng.uniform(-1, 1) * marks.half.x, rng.uniform(-1, 1) * marks.half.y,
-                                          rng.uniform(-1, 1) * marks.half.z};
+  const Vec3 target =
+      marks.centre + Vec3{rng.uniform(-1, 1) * marks.half.x, rng.uniform(-1, 1) * marks.half.y,
+                          rng.uniform(-1, 1) * marks.half.z};
   return {o, normalized(target - o)};
 }
 

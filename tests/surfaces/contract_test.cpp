@@ -198,8 +198,8 @@ TEST_P(SurfaceCell, AQuarterTurnAboutTheAxisKeepsTheHits) {
       worst = std::max(worst, std::fabs(a[i].l[k] - b[i].l[k]) / a[i].l[k]);
     }
   }
-  std::printf("%s: %zu of %zu rays differ in count, worst relative difference %.2g\n", GetParam().name().c_str(),
-              different, count, worst);
+  std::printf("%s: %zu of %zu rays differ in count, worst relative difference %.2g\n",
+              GetParam().name().c_str(), different, count, worst);
   // Random starts differ between the two, and may find a different number of roots on a few rays.
   EXPECT_LE(different, GetParam().solver->info.claims.deterministic ? 0 : count / 5);
   EXPECT_LE(worst, 1e-8);
