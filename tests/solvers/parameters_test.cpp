@@ -79,7 +79,7 @@ TEST(Parameters, RowsOfTheWrongLengthAreNamed) {
 
 TEST(Parameters, AnUnknownOneNamesTheNearest) {
   Parameters p;
-  p.set("trys", 3.0);
+  p.set("triess", 3.0);
   const std::array<std::string_view, 2> known{"seed", "tries"};
   EXPECT_NE(message_of([&] { p.expect_only(known, "newton_slices"); }).find("tries"), std::string::npos);
   p = Parameters();
