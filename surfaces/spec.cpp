@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include <graze/solvers/math/double_double.hpp>
+
 namespace graze {
 namespace {
 
@@ -10,11 +12,9 @@ namespace {
 void grow(std::vector<double>& expansion, double term) {
   std::vector<double> next;
   for (const double part : expansion) {
-    const double sum = term + part;
-    const double virtual_part = sum - term;
-    const double error = (term - (sum - virtual_part)) + (part - virtual_part);
-    if (error != 0) next.push_back(error);
-    term = sum;
+    const DoubleDouble sum = two_sum(term, part);
+    if (sum.lo != 0) next.push_back(sum.lo);
+    term = sum.hi;
   }
   if (term != 0) next.push_back(term);
   expansion = std::move(next);
@@ -24,9 +24,9 @@ void grow(std::vector<double>& expansion, double term) {
 std::vector<double> times(const std::vector<double>& expansion, double factor) {
   std::vector<double> product;
   for (const double part : expansion) {
-    const double head = part * factor;
-    grow(product, std::fma(part, factor, -head));
-    grow(product, head);
+    const DoubleDouble exact = two_prod(part, factor);
+    grow(product, exact.lo);
+    grow(product, exact.hi);
   }
   return product;
 }

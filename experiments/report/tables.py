@@ -254,10 +254,10 @@ def solve_command(row: object) -> str:
     if row.asked is None:
         return f"# {row.surface}, its lengths multiplied by {row.scale!r}: {row.ray}"
     precision = "" if row.precision == "double" else f" --precision {row.precision}"
-    note = f"  # options {row.options}" if row.options else ""
+    solver = f"'{row.solver}:{row.options}'" if row.options else row.solver
     return (
-        f"echo '{row.ray}' | graze solve --surface '{row.asked}' --solver {row.solver} "
-        f"--formulation {row.formulation} --query all{precision}{note}"
+        f"echo '{row.ray}' | graze solve --surface '{row.asked}' --solver {solver} "
+        f"--formulation {row.formulation} --query all{precision}"
     )
 
 
