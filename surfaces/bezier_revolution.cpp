@@ -532,10 +532,7 @@ BezierRevolution::BezierRevolution(const SurfaceSpec& spec) {
   }
   profile = BezierProfile(std::move(r), std::move(y));
   regions.eps = {0x1p-40, 0x1p-44, 0x1p-40, 0x1p-24};
-  for (std::size_t i = 0; i < regions.eps.size(); ++i) {
-    const auto given = spec.eps.find(std::string(BezierRegions::kNames[i]));
-    if (given != spec.eps.end()) regions.eps[i] = given->second;
-  }
+  override_eps(spec, BezierRegions::kNames, regions.eps);
 }
 
 LocalPoint BezierRevolution::describe(const LocalRay& ray, const LocalHit& hit) const {

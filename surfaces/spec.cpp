@@ -71,4 +71,11 @@ void check_placement(const Placement& placement) {
   }
 }
 
+void override_eps(const SurfaceSpec& spec, std::span<const std::string_view> names, std::span<double> eps) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto given = spec.eps.find(std::string(names[i]));
+    if (given != spec.eps.end()) eps[i] = given->second;
+  }
+}
+
 }  // namespace graze

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <map>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include <graze/solvers/parameters.hpp>
 #include <graze/surfaces/ray.hpp>
@@ -28,5 +30,8 @@ struct SurfaceSpec {
 /// Throws std::invalid_argument unless the placement is finite and its matrix is invertible.
 /// Decided exactly: a determinant that only rounds to zero passes, an exactly zero one does not.
 void check_placement(const Placement& placement);
+
+/// Replaces the defaults in `eps` by what the specification sets for the regions of these names.
+void override_eps(const SurfaceSpec& spec, std::span<const std::string_view> names, std::span<double> eps);
 
 }  // namespace graze

@@ -278,7 +278,7 @@ Epsilons epsilons_along(const TeardropRegions& regions, const TeardropProfile& p
 
 // ------------------------------------------------------------------------------------------------- sextic
 
-TeardropSextic::TeardropSextic(const Teardrop& surface)
+TeardropInT::TeardropInT(const Teardrop& surface)
     : profile(surface.profile), regions(regions_in_t(surface.regions)), grazing_eps(surface.regions.eps[5]) {}
 
 FormulationInfo TeardropSextic::info() {
@@ -309,9 +309,6 @@ void TeardropSextic::lift(const LocalRay& ray, const Posed& posed, const Root& r
 }
 
 // -------------------------------------------------------------------------------------- sextic_homogeneous
-
-TeardropSexticHomogeneous::TeardropSexticHomogeneous(const Teardrop& surface)
-    : profile(surface.profile), regions(regions_in_t(surface.regions)), grazing_eps(surface.regions.eps[5]) {}
 
 FormulationInfo TeardropSexticHomogeneous::info() {
   return {"sextic_homogeneous",
@@ -417,10 +414,7 @@ Teardrop::Teardrop(const SurfaceSpec& spec) : s_(spec.parameters.number("s")) {
   profile.m = scale_by_power(s_, -unit_);
   // Defaults, measured (surfaces/teardrop.md): above the rounding floor of F in double, region by region.
   regions.eps = {0x1p-40, 0x1p-44, 0x1p-44, 0x1p-44, 0x1p-40, 0x1p-24};
-  for (std::size_t i = 0; i < regions.eps.size(); ++i) {
-    const auto given = spec.eps.find(std::string(TeardropRegions::kNames[i]));
-    if (given != spec.eps.end()) regions.eps[i] = given->second;
-  }
+  override_eps(spec, TeardropRegions::kNames, regions.eps);
 }
 
 LocalPoint Teardrop::describe(const LocalRay& ray, const LocalHit& hit) const {

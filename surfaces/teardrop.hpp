@@ -47,29 +47,30 @@ struct TeardropRegions {
   std::array<double, 6> eps{};  ///< in units of s
 };
 
-/// The document's sextic in t: division by q_y and all (document 000). Special cases as it has them: a
-/// circle for q_y = 0, the cubic for q_x = q_z = 0.
-struct TeardropSextic {
-  static FormulationInfo info();
-  explicit TeardropSextic(const Teardrop& surface);
-  void pose(const LocalRay& ray, EquationBlock& block) const;
-  void lift(const LocalRay& ray, const Posed& posed, const Root& root, std::vector<LocalHit>& hits) const;
+/// What the two sextics in t share.
+struct TeardropInT {
+  explicit TeardropInT(const Teardrop& surface);
 
   TeardropProfile profile;
   std::array<Region, TeardropRegions::kParts> regions;
   double grazing_eps;
 };
 
-/// q_y^2 R(t)^2 = |q_xz (Y(t) - p_y) + q_y p_xz|^2 about the recentred point p (MATHS errata 2).
-struct TeardropSexticHomogeneous {
+/// The document's sextic in t: division by q_y and all (document 000). Special cases as it has them: a
+/// circle for q_y = 0, the cubic for q_x = q_z = 0.
+struct TeardropSextic : TeardropInT {
+  using TeardropInT::TeardropInT;
   static FormulationInfo info();
-  explicit TeardropSexticHomogeneous(const Teardrop& surface);
   void pose(const LocalRay& ray, EquationBlock& block) const;
   void lift(const LocalRay& ray, const Posed& posed, const Root& root, std::vector<LocalHit>& hits) const;
+};
 
-  TeardropProfile profile;
-  std::array<Region, TeardropRegions::kParts> regions;
-  double grazing_eps;
+/// q_y^2 R(t)^2 = |q_xz (Y(t) - p_y) + q_y p_xz|^2 about the recentred point p.
+struct TeardropSexticHomogeneous : TeardropInT {
+  using TeardropInT::TeardropInT;
+  static FormulationInfo info();
+  void pose(const LocalRay& ray, EquationBlock& block) const;
+  void lift(const LocalRay& ray, const Posed& posed, const Root& root, std::vector<LocalHit>& hits) const;
 };
 
 /// F(delta) = R(t(y))^2 - |p_xz|^2 at p + delta q, y = p_y + delta q_y: smooth through q_y = 0. For a ray
