@@ -17,10 +17,6 @@
 namespace graze {
 namespace {
 
-std::string utc_now() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
-}
-
 /// Database errors as the program's own.
 template <class Function>
 auto guarded(const std::string& file, const Function& function) {
@@ -87,6 +83,10 @@ struct Tally {
 };
 
 }  // namespace
+
+std::string utc_now() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
+}
 
 struct Store::Implementation {
   std::string file;

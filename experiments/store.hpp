@@ -52,6 +52,9 @@ struct TimingRow {
   bool censored = false;
 };
 
+/// Now, as the store writes it: "2026-01-31T12:00:00Z".
+std::string utc_now();
+
 /// All results of one block of rays: written whole or not at all.
 struct BlockResult {
   std::int64_t family = 0;

@@ -1,10 +1,8 @@
 #include "sweep.hpp"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
-#include <ctime>
 #include <exception>
 #include <filesystem>
 #include <map>
@@ -512,15 +510,6 @@ void check_growth(const SweepConfig& config, Store& store, const std::string& ou
   store.set_meta("rays", fmt::format("{}", std::max(before, config.rays)));
 }
 
-std::string utc_now_text() {
-  std::array<char, 32> text{};
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  gmtime_r(&now, &parts);
-  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text.data();
-}
-
 }  // namespace
 
 SweepConfig read_sweep_config(const std::string& path) {
@@ -579,7 +568,7 @@ void run_sweep(const SweepConfig& config, const SweepOptions& options) {
   if (interrupted()) throw Interrupted(resume);
   run_timing(config, subjects, store, build);
   if (interrupted()) throw Interrupted(resume);
-  store.set_meta("finished", utc_now_text());
+  store.set_meta("finished", utc_now());
 }
 
 }  // namespace graze

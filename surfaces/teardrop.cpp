@@ -17,7 +17,6 @@ std::array<Region, TeardropRegions::kParts> regions_in_t(const TeardropRegions& 
 }
 
 /// The widest-circle parameter (sqrt 7 - 1)/3 = 0.548583770354863530... lies inside.
-constexpr double kWidest = 1.8933909283226967;  // (14 sqrt 7 - 20)/9 rounded up
 constexpr Interval kEquator{0.5485837703548635, 0.5485837703548636};
 
 // ---------------------------------------------------------------------------------------- the sextics in t
@@ -110,7 +109,8 @@ struct HeightProfile {
   /// R between two heights: it rises to the equator and falls behind it.
   [[nodiscard]] Interval radius_between(double lo, double hi, Interval at_lo, Interval at_hi) const {
     Interval r = hull(at_lo, at_hi);
-    if (parameter(lo).lo <= kEquator.hi && parameter(hi).hi >= kEquator.lo) r.hi = mul_up(kWidest, m);
+    if (parameter(lo).lo <= kEquator.hi && parameter(hi).hi >= kEquator.lo)
+      r.hi = mul_up(TeardropProfile::kWidest, m);
     return r;
   }
 };

@@ -20,6 +20,8 @@ struct Teardrop;
 
 /// The profile in local units, where s = m in [1, 2) exactly.
 struct TeardropProfile {
+  static constexpr double kWidest =
+      1.8933909283226967;  ///< (14 sqrt 7 - 20)/9 = 1.89339092832269647..., rounded up
   double m = 1;
 
   [[nodiscard]] ProfilePoint at(double t) const {
@@ -28,11 +30,7 @@ struct TeardropProfile {
   [[nodiscard]] double t_of_height(double y, double /*u*/) const {
     return std::sqrt(std::clamp(y / (6 * m), 0.0, 1.0));
   }
-  [[nodiscard]] Cylinder bounds() const {
-    constexpr double kWidestRadius =
-        1.8933909283226967;  // (14 sqrt 7 - 20) / 9 = 1.89339092832269647..., rounded up
-    return {kWidestRadius * m, 0, 6 * m};
-  }
+  [[nodiscard]] Cylinder bounds() const { return {kWidest * m, 0, 6 * m}; }
   [[nodiscard]] static int max_hits() { return 2; }  // convex
 };
 
