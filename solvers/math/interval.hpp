@@ -27,6 +27,12 @@ namespace graze {
 struct Interval {
   double lo = 0, hi = 0;
 
+  constexpr Interval() = default;
+  constexpr Interval(double low, double high) : lo(low), hi(high) {}
+  /// [x, x]; for a NaN the entire line, for an infinity what lies beyond the largest double. So that
+  /// formulas generic over the scalar can write T(2.0).
+  constexpr explicit Interval(double x);
+
   friend constexpr bool operator==(const Interval&, const Interval&) = default;
 };
 
@@ -201,6 +207,7 @@ constexpr Interval point(double x) {
   return {std::min(x, std::numeric_limits<double>::max()),
           std::max(x, std::numeric_limits<double>::lowest())};
 }
+constexpr Interval::Interval(double x) : Interval(point(x)) {}
 /// [center - radius, center + radius], rounded outward; a NaN or negative radius gives the entire line.
 inline Interval ball(double center, double radius) {
   if (!(radius >= 0)) return entire();
