@@ -64,7 +64,11 @@ Score score(const Scene& scene, std::span<const Ray> rays, Query query, std::spa
   Score result;
   result.hits = hits.l.size();
   for (std::size_t i = 0; i < truths.size(); ++i) {
-    const Claim claim{hits.status[i], std::span(hits.l).subspan(hits.begin(i), hits.count(i)), {}, {}};
+    const Claim claim{hits.status[i],
+                      std::span(hits.l).subspan(hits.begin(i), hits.count(i)),
+                      {},
+                      {},
+                      std::span(hits.multiplicity).subspan(hits.begin(i), hits.count(i))};
     const Verdict verdict = judge(rays[i], truths[i], claim, {.size = size}, nullptr).verdict;
     ++result.judged;
     result.wrong += verdict == Verdict::wrong ? 1 : 0;
@@ -139,7 +143,8 @@ void bench_family(const BenchOptions& options, const SurfaceSpec& spec, std::spa
     scenes.push_back(build_scene({&member, 1}, solver));
     Line line;
     line.solver = solver.options_text.empty() ? solver.name : solver.name + ":" + solver.options_text;
-    line.formulation = std::string(scenes.back().members()[0].formulation().name);
+    const std::size_t formulation = scenes.back().pairing(0).formulation;
+    line.formulation = std::string(find_surface(spec.type).formulations[formulation].name);
     line.score = score(scenes.back(), std::span(rays).first(truths.size()), query, truths, surface->size());
     lines.push_back(std::move(line));
   }
@@ -157,10 +162,25 @@ void bench_family(const BenchOptions& options, const SurfaceSpec& spec, std::spa
   print(options, family, lines, output);
 }
 
+/// The solvers named, or with "all" every one that takes an equation of the surface.
+std::vector<SolverSpec> solvers_to_bench(const BenchOptions& options, const SurfaceSpec& spec) {
+  const Precision precision = parse_precision(options.precision);
+  std::vector<SolverSpec> solvers;
+  if (options.solvers != "all") {
+    solvers = parse_solver_list(options.solvers);
+  } else {
+    for (const SolverEntry& entry : solver_registry()) {
+      if (all_pairings(entry, find_surface(spec.type), precision).empty()) continue;
+      solvers.push_back(parse_solver(entry.name));
+    }
+  }
+  for (SolverSpec& solver : solvers) solver.precision = precision;
+  return solvers;
+}
+
 void bench(const BenchOptions& options) {
-  check_precision(options.precision);
   const SurfaceSpec spec = parse_surface(options.surface);
-  const std::vector<SolverSpec> solvers = parse_solver_list(options.solvers);
+  const std::vector<SolverSpec> solvers = solvers_to_bench(options, spec);
   const PinnedCore pinned;
   if (!pinned.warning().empty()) fmt::print(stderr, "graze bench: warning: {}\n", pinned.warning());
   Output output;
@@ -185,8 +205,10 @@ Action add_bench_command(CLI::App& app) {
   command->add_option("--surface", options->surface, "surface, values in TOML syntax: teardrop:s=1")
       ->type_name("NAME:key=value,...")
       ->required();
-  command->add_option("--solver", options->solvers, "solvers to compare: A,B:key=value,C")
-      ->type_name("A,B,...")
+  command
+      ->add_option("--solver", options->solvers,
+                   "solvers to compare: A,B:key=value,C; or all that take the surface")
+      ->type_name("A,B,...|all")
       ->required();
   command->add_option("--case", options->cases, "case families (default camera)")
       ->type_name("NAME,...")

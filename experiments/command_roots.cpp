@@ -44,17 +44,22 @@ Answer by_truth() {
   };
 }
 
+/// In the arithmetic of T: coefficients and interval are rounded to it.
+template <class T>
 Answer by_solver(const SolverSpec& spec) {
+  constexpr Precision kPrecision = std::is_same_v<T, float> ? Precision::binary32 : Precision::binary64;
   const std::shared_ptr<AnySolver> solver = find_solver(spec.name).make(spec.options);
-  if (!solver->takes(Form::polynomial)) {
-    throw UsageError(fmt::format("solver '{}' takes no polynomials (see graze list solvers)", spec.name));
+  if (!solver->takes(Form::polynomial, kPrecision)) {
+    throw UsageError(fmt::format("solver '{}' takes no polynomials in {} (see graze list solvers)", spec.name,
+                                 to_string(kPrecision)));
   }
   return [solver](const JsonParser::Polynomial& polynomial, fmt::memory_buffer& out) {
-    PolynomialEquation equation;
-    equation.c = polynomial.c;
+    const std::vector<T> c(polynomial.c.begin(), polynomial.c.end());
+    BasicPolynomialEquation<T> equation;
+    equation.c = c;
     if (polynomial.interval) {
-      equation.lo = polynomial.interval->first;
-      equation.hi = polynomial.interval->second;
+      equation.lo = static_cast<T>(polynomial.interval->first);
+      equation.hi = static_cast<T>(polynomial.interval->second);
     }
     Roots roots;
     solver->solve({&equation, 1}, {&roots, 1});
@@ -71,8 +76,10 @@ Answer by_solver(const SolverSpec& spec) {
 }
 
 void find_roots(const RootsOptions& options) {
-  check_precision(options.precision);
-  const Answer answer = options.solver == "truth" ? by_truth() : by_solver(parse_solver(options.solver));
+  const Answer answer = options.solver == "truth" ? by_truth()
+                        : parse_precision(options.precision) == Precision::binary32
+                            ? by_solver<float>(parse_solver(options.solver))
+                            : by_solver<double>(parse_solver(options.solver));
   LineReader reader(options.polynomials);
   JsonParser parser;
   Output output;

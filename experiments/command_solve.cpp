@@ -86,13 +86,35 @@ void append_vector(fmt::memory_buffer& out, Vec3 v) {
   out.push_back(']');
 }
 
+/// How a scene's surfaces call things in their hits.
+struct HitNames {
+  std::vector<std::array<std::string_view, 2>> params;
+  std::vector<std::string> varieties;  ///< a quadric's class; empty for types without kinds
+
+  explicit HitNames(const std::vector<SceneMember>& members) {
+    for (const SceneMember& member : members) {
+      const SurfaceEntry& entry = find_surface(member.surface.type);
+      params.push_back(entry.info.params);
+      varieties.emplace_back(entry.make(member.surface)->variety());
+    }
+  }
+};
+
+/// "surface":0, and its kind if it has one.
+void append_surface(fmt::memory_buffer& out, std::size_t surface, const HitNames& names) {
+  fmt::format_to(std::back_inserter(out), ",\"surface\":{}", surface);
+  if (names.varieties[surface].empty()) return;
+  append(out, ",\"variety\":");
+  append_json_string(out, names.varieties[surface]);
+}
+
 /// {"t":...,"theta":...} with the surface's own names.
 void append_params(fmt::memory_buffer& out, const std::array<std::string_view, 2>& names,
                    const std::array<double, 2>& values) {
   out.push_back('{');
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i].empty()) continue;
-    if (i > 0) out.push_back(',');
+    if (out.data()[out.size() - 1] != '{') out.push_back(',');
     append_json_string(out, names[i]);
     out.push_back(':');
     append_number(out, values[i]);
@@ -111,12 +133,6 @@ void append_status(fmt::memory_buffer& out, Status status, std::string_view why)
   append(out, "}\n");
 }
 
-std::vector<std::array<std::string_view, 2>> parameter_names(const std::vector<SceneMember>& members) {
-  std::vector<std::array<std::string_view, 2>> names;
-  for (const SceneMember& member : members) names.push_back(find_surface(member.surface.type).info.params);
-  return names;
-}
-
 // --------------------------------------------------------------------------------------------------- solve
 
 struct SolveOptions : StreamOptions {
@@ -125,29 +141,29 @@ struct SolveOptions : StreamOptions {
   std::string precision = "double";
 };
 
-void append_hits(fmt::memory_buffer& out, const HitBuffer& hits, std::size_t ray,
-                 const std::vector<std::array<std::string_view, 2>>& names) {
+void append_hits(fmt::memory_buffer& out, const HitBuffer& hits, std::size_t ray, const HitNames& names) {
   append(out, "{\"hits\":[");
   for (std::size_t i = hits.begin(ray); i < hits.end(ray); ++i) {
     append(out, i == hits.begin(ray) ? "{\"l\":" : ",{\"l\":");
     append_number(out, hits.l[i]);
-    fmt::format_to(std::back_inserter(out), ",\"surface\":{},\"point\":", hits.surface[i]);
+    append_surface(out, hits.surface[i], names);
+    append(out, ",\"point\":");
     append_vector(out, hits.point[i]);
     append(out, ",\"normal\":");
     append_vector(out, hits.normal[i]);
     append(out, ",\"params\":");
-    append_params(out, names[hits.surface[i]], hits.params[i]);
+    append_params(out, names.params[hits.surface[i]], hits.params[i]);
     fmt::format_to(std::back_inserter(out), ",\"multiplicity\":{}}}", hits.multiplicity[i]);
   }
 }
 
 void solve(const SolveOptions& options) {
-  check_precision(options.precision);
   const std::vector<SceneMember> members = options.scene.members();
   SolverSpec solver = parse_solver(options.solver);
   solver.formulation = options.formulation;
+  solver.precision = parse_precision(options.precision);
   const Scene scene = build_scene(members, solver);
-  const auto names = parameter_names(members);
+  const HitNames names(members);
   const Query query = parse_query(options.query);
 
   struct Slot {
@@ -174,18 +190,18 @@ struct TruthOptions : StreamOptions {
   int digits = 40;
 };
 
-void append_truth(fmt::memory_buffer& out, const truth::Answer& answer,
-                  const std::vector<std::array<std::string_view, 2>>& names) {
+void append_truth(fmt::memory_buffer& out, const truth::Answer& answer, const HitNames& names) {
   append(out, "{\"hits\":[");
   for (std::size_t i = 0; i < answer.hits.size(); ++i) {
     const truth::Hit& hit = answer.hits[i];
-    fmt::format_to(std::back_inserter(out), "{}{{\"l\":\"{}\",\"surface\":{},\"point\":", i == 0 ? "" : ",",
-                   hit.l.decimal, hit.surface);
+    fmt::format_to(std::back_inserter(out), "{}{{\"l\":\"{}\"", i == 0 ? "" : ",", hit.l.decimal);
+    append_surface(out, hit.surface, names);
+    append(out, ",\"point\":");
     append_vector(out, hit.point);
     append(out, ",\"normal\":");
     append_vector(out, hit.normal);
     append(out, ",\"params\":");
-    append_params(out, names[hit.surface], hit.params);
+    append_params(out, names.params[hit.surface], hit.params);
     fmt::format_to(std::back_inserter(out),
                    ",\"multiplicity\":{},\"enclosure\":[\"{}\",\"{}\"],\"tangent\":{}}}", hit.multiplicity,
                    hit.l.lo, hit.l.hi, hit.tangent);
@@ -207,7 +223,7 @@ std::vector<std::unique_ptr<truth::Surface>> build_truth(const std::vector<Scene
 void tell_truth(const TruthOptions& options) {
   const std::vector<SceneMember> members = options.scene.members();
   const auto scene = build_truth(members);
-  const auto names = parameter_names(members);
+  const HitNames names(members);
   const bool first_only = options.query != "all";
   stream(options, [&](std::span<const Ray> rays, std::size_t first, const RayBatch& batch,
                       std::size_t /*slot*/, fmt::memory_buffer& out) {

@@ -40,9 +40,8 @@ void add_precision_option(CLI::App& command, std::string& precision) {
       ->check(CLI::IsMember({"double", "float"}));
 }
 
-void check_precision(const std::string& precision) {
-  if (precision == "float")
-    throw UsageError("--precision float: no solver of this version has it; use double");
+Precision parse_precision(const std::string& text) {
+  return text == "float" ? Precision::binary32 : Precision::binary64;
 }
 
 void add_jobs_option(CLI::App& command, int& jobs) {

@@ -35,9 +35,9 @@ struct SceneOptions {
 /// --query all|first|any.
 void add_query_option(CLI::App& command, std::string& query);
 Query parse_query(const std::string& text);
-/// --precision double|float: float is refused until the solvers have it.
+/// --precision double|float.
 void add_precision_option(CLI::App& command, std::string& precision);
-void check_precision(const std::string& precision);
+Precision parse_precision(const std::string& text);
 /// --jobs N, 1 or more.
 void add_jobs_option(CLI::App& command, int& jobs);
 

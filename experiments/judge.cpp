@@ -39,13 +39,20 @@ void match(const Ray& ray, const truth::Answer& truth, const Claim& claim, const
            Judgement& judgement) {
   const double slack = measure.size / norm(ray.d);
   std::size_t i = 0;
+  std::uint32_t spare = 0;  // further true hits that the last matched claim may answer
   for (std::size_t k = 0; k < truth.hits.size(); ++k) {
     const truth::Hit& hit = truth.hits[k];
+    if (spare > 0 && distance(claim.l[i - 1], hit.l) <= ulp(claim.l[i - 1])) {
+      --spare;
+      continue;
+    }
     const double radius = measure.match_radius * (std::fabs(hit.l.head) + slack);
     for (; i < claim.l.size() && claim.l[i] < hit.l.head - radius; ++i) ++judgement.spurious;
     const bool found = i < claim.l.size() && claim.l[i] <= hit.l.head + radius;
     if (k == 0 && (!found || judgement.spurious > 0)) judgement.wrong_first = true;
     if (found) {
+      const std::uint32_t multiplicity = i < claim.multiplicity.size() ? claim.multiplicity[i] : 1;
+      spare = multiplicity - std::min(multiplicity, hit.multiplicity);
       measure_hit(ray, hit, claim, i++, measure.size, judgement);
     } else {
       ++judgement.missed;

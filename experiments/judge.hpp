@@ -18,6 +18,7 @@ struct Claim {
   std::span<const double> l;
   std::span<const Vec3> point;
   std::span<const Vec3> normal;
+  std::span<const std::uint32_t> multiplicity = {};  ///< empty: 1 each
 };
 
 enum class Verdict { right, wrong, uncertain, failed };
@@ -45,6 +46,8 @@ struct Judgement {
   std::optional<double> normal_error;  ///< worst angle to the true normal, radians
 };
 
+/// A hit of multiplicity m that is claimed at the double nearest to several true hits, or next to it, answers
+/// up to m of them: doubles cannot part them (two faces of a solid beside its edge).
 /// Wrong: a spurious hit, or a missed one under status ok, or a coincidence not seen or invented. An
 /// uncertain or failed answer may miss, but what it lists must be true. `surface` measures the claimed
 /// points' distances; null leaves `backward` out.

@@ -196,8 +196,8 @@ Scene build_scene(std::span<const SceneMember> members, const SolverSpec& solver
     const SolverSpec chosen = member.solver.empty() ? solver : parse_solver(member.solver);
     const std::string& formulation = member.formulation.empty() ? solver.formulation : member.formulation;
     as_usage_error("", [&] {
-      scene.add(Intersector(find_surface(member.surface.type), member.surface, find_solver(chosen.name),
-                            chosen.options, formulation));
+      scene.add(find_surface(member.surface.type), member.surface, find_solver(chosen.name),
+                {chosen.options, formulation, solver.precision});
       return 0;
     });
   }
@@ -206,19 +206,7 @@ Scene build_scene(std::span<const SceneMember> members, const SolverSpec& solver
 
 SurfaceSpec scaled(const SurfaceSpec& spec, double factor) {
   SurfaceSpec result = spec;
-  for (const std::string_view length : find_surface(spec.type).info.lengths) {
-    ParameterValue value = spec.parameters.values().at(std::string(length));
-    const auto scale = [factor](auto& v, const auto& self) -> void {
-      if constexpr (std::is_same_v<std::decay_t<decltype(v)>, double>) {
-        v *= factor;
-      } else if constexpr (requires { v.begin(); } &&
-                           !std::is_same_v<std::decay_t<decltype(v)>, std::string>) {
-        for (auto& entry : v) self(entry, self);
-      }
-    };
-    std::visit([&](auto& v) { scale(v, scale); }, value);
-    result.parameters.set(std::string(length), std::move(value));
-  }
+  result.parameters = find_surface(spec.type).scaled(spec.parameters, factor);
   result.placement.translate = factor * result.placement.translate;
   return result;
 }

@@ -17,6 +17,7 @@ struct SolverSpec {
   Parameters options;
   std::string options_text;  ///< "polish=true", empty for the defaults
   std::string formulation;   ///< empty: the solver's preference
+  Precision precision = Precision::binary64;
 };
 
 /// A surface of a scene with what the file says about how to solve it.

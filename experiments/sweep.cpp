@@ -151,22 +151,27 @@ std::vector<Cell> make_cells(const SweepConfig& config, Store& store, Subject& s
   std::vector<Cell> cells;
   for (const SolverSpec& solver : config.solvers) {
     const SolverEntry& entry = find_solver(solver.name);
-    for (const Pairing& pairing : all_pairings(entry, surface)) {
-      const FormulationInfo& formulation = surface.formulations[pairing.formulation];
-      Cell cell;
-      cell.solver = solver;
-      cell.solver.formulation = std::string(formulation.name);
-      cell.id = store.cell_id({subject.id, cell.solver.formulation, std::string(to_string(pairing.form)),
-                               solver.name, solver.options_text, "double", entry.info.claims.certified});
-      cells.push_back(cell);
-    }
-    for (const FormulationInfo& formulation : surface.formulations) {
-      const bool taken = std::any_of(cells.begin(), cells.end(), [&](const Cell& cell) {
-        return cell.solver.name == solver.name && cell.solver.formulation == formulation.name;
-      });
-      if (taken) continue;
-      store.skip(fmt::format("{} / {} / {}", subject.label, formulation.name, solver.name),
-                 "the solver takes no form that this formulation offers");
+    for (const Precision precision : config.precisions) {
+      const std::vector<Pairing> pairings = all_pairings(entry, surface, precision);
+      for (const Pairing& pairing : pairings) {
+        const FormulationInfo& formulation = surface.formulations[pairing.formulation];
+        Cell cell;
+        cell.solver = solver;
+        cell.solver.formulation = std::string(formulation.name);
+        cell.solver.precision = precision;
+        cell.id = store.cell_id({subject.id, cell.solver.formulation, std::string(to_string(pairing.form)),
+                                 solver.name, solver.options_text, std::string(to_string(precision)),
+                                 entry.info.claims.certified});
+        cells.push_back(cell);
+      }
+      for (std::size_t i = 0; i < surface.formulations.size(); ++i) {
+        const bool taken = std::any_of(pairings.begin(), pairings.end(),
+                                       [i](const Pairing& pairing) { return pairing.formulation == i; });
+        if (taken) continue;
+        store.skip(fmt::format("{} / {} / {} / {}", subject.label, surface.formulations[i].name, solver.name,
+                               to_string(precision)),
+                   "the solver takes no form that this formulation offers in this precision");
+      }
     }
   }
   return cells;
@@ -268,9 +273,9 @@ std::vector<RecordRow> run_cell(const Cell& cell, const Scene& scene, std::span<
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const std::size_t begin = hits.begin(i);
     const std::size_t count = hits.count(i);
-    const Claim claim{hits.status[i], std::span(hits.l).subspan(begin, count),
-                      std::span(hits.point).subspan(begin, count),
-                      std::span(hits.normal).subspan(begin, count)};
+    const Claim claim{
+        hits.status[i], std::span(hits.l).subspan(begin, count), std::span(hits.point).subspan(begin, count),
+        std::span(hits.normal).subspan(begin, count), std::span(hits.multiplicity).subspan(begin, count)};
     RecordRow record;
     record.cell = cell.id;
     record.ray = rows[i].id;
@@ -534,6 +539,14 @@ SweepConfig read_sweep_config(const std::string& path) {
   }
   for (const auto& word : fields.words("solvers")) {
     config.solvers.push_back(at_its_place(word, path, "solvers", parse_solver));
+  }
+  const auto precisions = fields.words("precision");
+  if (!precisions.empty()) config.precisions.clear();
+  for (const auto& [name, node] : precisions) {
+    if (name != "double" && name != "float") {
+      throw UsageError(where(*node, path, "precision") + "must be \"double\" or \"float\"");
+    }
+    config.precisions.push_back(name == "float" ? Precision::binary32 : Precision::binary64);
   }
   for (const auto& word : fields.words("cases")) {
     config.cases.push_back(at_its_place(

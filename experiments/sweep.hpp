@@ -21,7 +21,8 @@ struct SweepConfig {
       100;  ///< beyond it, one record in this many is kept besides the wrong and the worst
   std::vector<SurfaceSpec> surfaces;
   std::vector<SolverSpec> solvers;  ///< each in every formulation it takes, unless it names one
-  std::vector<std::string> cases;   ///< empty: every family that suits the surface
+  std::vector<Precision> precisions{Precision::binary64};
+  std::vector<std::string> cases;  ///< empty: every family that suits the surface
   int timing_repeats = 7;
   double timing_budget_ms = 100;   ///< of one turn
   std::size_t timing_rays = 1000;  ///< a family

@@ -195,7 +195,7 @@ void CeresSlices::solve_system(const SystemEquation& equation, Roots& roots) con
   const SystemResidual<N> residual{equation};
   Minimizer<SystemResidual<N>> minimize(tiny_, residual, equation.lo.data(), equation.hi.data(),
                                         roots.counters);
-  slices::search(
+  slices::search<double>(
       hash_combine(equation.seed, seed_), tries_, equation.max_roots, roots,
       [&](Rng& rng, Vector& x) { return equation.start(equation.self, rng, x); },
       [&](Vector x, Root& root) {
@@ -226,7 +226,7 @@ void CeresSlices::solve(const SystemEquation& equation, Roots& roots) const {
 void CeresSlices::solve(const ScalarEquation& equation, Roots& roots) const {
   const ScalarResidual residual{equation};
   Minimizer<ScalarResidual> minimize(tiny_, residual, &equation.lo, &equation.hi, roots.counters);
-  slices::search(
+  slices::search<double>(
       hash_combine(equation.seed, seed_), tries_, equation.max_roots, roots,
       [&](Rng& rng, Vector& x) {
         x[0] = rng.uniform(equation.lo, equation.hi);

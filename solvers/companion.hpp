@@ -31,7 +31,8 @@ class Companion {
 
   static SolverInfo info();
   explicit Companion(const Parameters& options);
-  void solve(const PolynomialEquation& equation, Roots& roots) const;
+  template <class T>  // double, float
+  void solve(const BasicPolynomialEquation<T>& equation, Roots& roots) const;
 
  private:
   bool polish_;

@@ -1,5 +1,7 @@
-// The four forms in which an equation reaches a solver. An equation is a small view: what it points to
-// (coefficients, the object behind `self`) lives in the block that made it and outlives the call.
+// The four forms in which an equation reaches a solver, in double or in float. An equation is a small view:
+// what it points to (coefficients, the object behind `self`) lives in the block that made it and outlives the
+// call. In float the coefficients, the unknown and every value of the function are floats: a solver that
+// takes BasicX<float> computes in float throughout. Interval equations are in double only.
 #pragma once
 
 #include <algorithm>
@@ -19,6 +21,12 @@ enum class Form : std::uint8_t { polynomial, scalar, interval, system };
 
 /// "polynomial", "scalar", ...
 std::string_view to_string(Form form);
+
+/// The arithmetic of an equation and of the solver that takes it.
+enum class Precision : std::uint8_t { binary64, binary32 };
+
+/// "double", "float".
+std::string_view to_string(Precision precision);
 
 /// Part of the unknown's range with its own epsilon, for solvers that work to a tolerance.
 /// `end` closes the part (parts follow one another in ascending order from the interval's low end);
@@ -41,44 +49,51 @@ enum class Basis : std::uint8_t { power, bernstein };
 /// sum_i c[i] x^i = 0 (power, ascending), or sum_i c[i] B_{i,n}((x - lo)/(hi - lo)) = 0 (Bernstein),
 /// wanted on the closed interval [lo, hi]; lo = -inf, hi = inf asks for all real roots (power only).
 /// `c_error` is empty (the coefficients are exact numbers) or bounds |c[i] - true c[i]|.
-struct PolynomialEquation {
-  std::span<const double> c;
-  std::span<const double> c_error;
+template <class T>
+struct BasicPolynomialEquation {
+  std::span<const T> c;
+  std::span<const T> c_error;
   Basis basis = Basis::power;
-  double lo = -std::numeric_limits<double>::infinity();
-  double hi = std::numeric_limits<double>::infinity();
+  T lo = -std::numeric_limits<T>::infinity();
+  T hi = std::numeric_limits<T>::infinity();
   Epsilons epsilons;
 };
+using PolynomialEquation = BasicPolynomialEquation<double>;
 
 /// Finite coefficients and errors, and an interval that is not empty (NaN is none either).
-inline bool is_usable(const PolynomialEquation& equation) {
-  const auto finite = [](double v) { return std::isfinite(v); };
+template <class T>
+bool is_usable(const BasicPolynomialEquation<T>& equation) {
+  const auto finite = [](T v) { return std::isfinite(v); };
   return std::all_of(equation.c.begin(), equation.c.end(), finite) &&
          std::all_of(equation.c_error.begin(), equation.c_error.end(), finite) && equation.lo <= equation.hi;
 }
 
 /// f with two derivatives at a point, and a bound on the rounding error of f.
-struct Jet {
-  double f = 0;
-  double df = 0;
-  double ddf = 0;
-  double f_error = 0;
+template <class T>
+struct BasicJet {
+  T f = 0;
+  T df = 0;
+  T ddf = 0;
+  T f_error = 0;
 };
+using Jet = BasicJet<double>;
 
 /// f(x) = 0 on the closed interval [lo, hi] for a smooth f that may touch zero.
 /// `eval(self, x)` is valid for x in [lo, hi]. `seed` names the equation: a solver that draws random
 /// numbers starts its generator from it, so that the same ray gets the same answer in any order or thread.
 /// `max_roots` > 0: there are no more distinct ones than that; a search may stop there.
-struct ScalarEquation {
+template <class T>
+struct BasicScalarEquation {
   const void* self = nullptr;
-  Jet (*eval)(const void* self, double x) = nullptr;
-  double lo = 0;
-  double hi = 0;
+  BasicJet<T> (*eval)(const void* self, T x) = nullptr;
+  T lo = 0;
+  T hi = 0;
   int max_roots = 0;
   std::uint64_t seed = 0;
 
-  [[nodiscard]] Jet operator()(double x) const { return eval(self, x); }
+  [[nodiscard]] BasicJet<T> operator()(T x) const { return eval(self, x); }
 };
+using ScalarEquation = BasicScalarEquation<double>;
 
 /// f(x) = 0 on [lo, hi] by inclusion functions.
 struct IntervalEquation {
@@ -91,24 +106,31 @@ struct IntervalEquation {
 };
 
 inline constexpr int kMaxUnknowns = 3;
-using Vector = std::array<double, kMaxUnknowns>;
-using Matrix = std::array<std::array<double, kMaxUnknowns>, kMaxUnknowns>;
+template <class T>
+using BasicVector = std::array<T, kMaxUnknowns>;
+template <class T>
+using BasicMatrix = std::array<std::array<T, kMaxUnknowns>, kMaxUnknowns>;
+using Vector = BasicVector<double>;
+using Matrix = BasicMatrix<double>;
 
 /// F(x) = 0 for n unknowns and n equations. x[0] is the unknown by which roots are told apart and sorted.
 /// Bounds hold for every unknown; a period > 0 says that x and x + period are the same value.
 /// `residual_scale` is the size of the terms that cancel in F: |F| <= k eps residual_scale is rounding.
-struct SystemEquation {
+template <class T>
+struct BasicSystemEquation {
   const void* self = nullptr;
   int unknowns = 0;
-  void (*eval)(const void* self, const Vector& x, Vector& f, Matrix& jacobian) = nullptr;
+  void (*eval)(const void* self, const BasicVector<T>& x, BasicVector<T>& f,
+               BasicMatrix<T>& jacobian) = nullptr;
   /// A start value from the surface's own generator (a random slice); false: this draw gives none.
-  bool (*start)(const void* self, Rng& rng, Vector& x) = nullptr;
-  Vector lo{};
-  Vector hi{};
-  Vector period{};
-  double residual_scale = 1;
+  bool (*start)(const void* self, Rng& rng, BasicVector<T>& x) = nullptr;
+  BasicVector<T> lo{};
+  BasicVector<T> hi{};
+  BasicVector<T> period{};
+  T residual_scale = 1;
   int max_roots = 0;  ///< as in ScalarEquation
   std::uint64_t seed = 0;
 };
+using SystemEquation = BasicSystemEquation<double>;
 
 }  // namespace graze

@@ -123,7 +123,9 @@ class Search {
   /// Three quarters of the size aimed at, so that the rounding of the ends cannot make it wider.
   Interval window(double m, double eps, Interval x, Sign lo) {
     const double widest = std::max(eps, grazing_epsilon());
-    for (double size = eps; size <= widest; size *= 4) {
+    // An epsilon that has underflowed would never grow.
+    const double first = std::max(eps, std::numeric_limits<double>::min());
+    for (double size = first; size <= widest; size *= 4) {
       const double a = m - 0.375 * size;
       const double b = m + 0.375 * size;
       if (a > x.lo && sign(value(point(a))) == lo) x.lo = a;

@@ -21,8 +21,10 @@ class NewtonSlices {
 
   static SolverInfo info();
   explicit NewtonSlices(const Parameters& options);
-  void solve(const SystemEquation& equation, Roots& roots) const;
-  void solve(const ScalarEquation& equation, Roots& roots) const;
+  template <class T>  // double, float
+  void solve(const BasicSystemEquation<T>& equation, Roots& roots) const;
+  template <class T>
+  void solve(const BasicScalarEquation<T>& equation, Roots& roots) const;
 
  private:
   int tries_;

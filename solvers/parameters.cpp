@@ -72,6 +72,20 @@ std::string Parameters::word(const std::string& name, const std::string& fallbac
   return *value;
 }
 
+std::vector<double> Parameters::list(const std::string& name, std::size_t size) const {
+  const auto* value = std::get_if<std::vector<double>>(&at(name));
+  if (value == nullptr || value->size() != size) {
+    fail("parameter '" + name + "' must be a list of " + std::to_string(size) + " numbers");
+  }
+  for (const double entry : *value) finite(entry, name);
+  return *value;
+}
+
+std::vector<double> Parameters::list(const std::string& name, std::size_t size,
+                                     const std::vector<double>& fallback) const {
+  return has(name) ? list(name, size) : fallback;
+}
+
 std::vector<std::vector<double>> Parameters::table(const std::string& name, std::size_t columns) const {
   const auto* value = std::get_if<std::vector<std::vector<double>>>(&at(name));
   if (value == nullptr) fail("parameter '" + name + "' must be a list of rows of numbers");

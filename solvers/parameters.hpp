@@ -32,6 +32,10 @@ class Parameters {
   [[nodiscard]] int integer(const std::string& name, int fallback, int lo, int hi) const;
   [[nodiscard]] bool flag(const std::string& name, bool fallback) const;
   [[nodiscard]] std::string word(const std::string& name, const std::string& fallback) const;
+  /// A list of `size` finite numbers, such as center = [x, y, z].
+  [[nodiscard]] std::vector<double> list(const std::string& name, std::size_t size) const;
+  [[nodiscard]] std::vector<double> list(const std::string& name, std::size_t size,
+                                         const std::vector<double>& fallback) const;
   /// A table of numbers with `columns` finite entries in every row, such as [[r,y],...].
   [[nodiscard]] std::vector<std::vector<double>> table(const std::string& name, std::size_t columns) const;
 

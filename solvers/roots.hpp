@@ -25,11 +25,13 @@ struct Counters {
   std::uint32_t evaluations = 0;  ///< of the equation, with or without its derivative
   std::uint32_t iterations = 0;   ///< steps of the method: Newton steps, bisections, QR sweeps
   std::uint32_t starts = 0;       ///< start values tried, for methods that have them
+  std::uint32_t tests = 0;        ///< of a surface's parts before any equation: planes, slabs, edges
 
   Counters& operator+=(const Counters& other) {
     evaluations += other.evaluations;
     iterations += other.iterations;
     starts += other.starts;
+    tests += other.tests;
     return *this;
   }
 };
@@ -42,6 +44,15 @@ struct Root {
   std::uint32_t multiplicity = 1;  ///< as far as the solver can tell; 2 = touches
   bool certified = false;          ///< [x - radius, x + radius] was proved to hold exactly this root
 };
+
+/// A root found in the arithmetic of T, nothing proved.
+template <class T>
+Root found_root(T x, T radius, std::uint32_t multiplicity, std::array<T, 2> others = {}) {
+  return {.x = static_cast<double>(x),
+          .others = {static_cast<double>(others[0]), static_cast<double>(others[1])},
+          .radius = static_cast<double>(radius),
+          .multiplicity = multiplicity};
+}
 
 /// The answer to one equation: roots in ascending order of x.
 struct Roots {

@@ -12,14 +12,17 @@
 
 namespace graze::slices {
 
-inline constexpr double kU = 0x1p-53;  ///< unit roundoff
+/// Unit roundoff.
+template <class T>
+inline constexpr T kU = std::numeric_limits<T>::epsilon() / 2;
 /// A point is a root if its residual is no larger than the rounding of about this many operations on terms of
 /// the equation's own size: scale-free, for the size comes with the equation.
-inline constexpr double kNoise = 32;
+inline constexpr int kNoise = 32;
 inline constexpr int kDefaultTries = 30;  ///< document 003: "about 30 random heights suffice"
 
 /// Solves M z = b for n <= 3 by Gaussian elimination with partial pivoting; false if M is singular.
-inline bool solve_linear(Matrix m, Vector b, int n, Vector& z) {
+template <class T>
+bool solve_linear(BasicMatrix<T> m, BasicVector<T> b, int n, BasicVector<T>& z) {
   const auto size = static_cast<std::size_t>(n);
   for (std::size_t k = 0; k < size; ++k) {
     std::size_t pivot = k;
@@ -30,13 +33,13 @@ inline bool solve_linear(Matrix m, Vector b, int n, Vector& z) {
     std::swap(m[k], m[pivot]);
     std::swap(b[k], b[pivot]);
     for (std::size_t i = k + 1; i < size; ++i) {
-      const double factor = m[i][k] / m[k][k];
+      const T factor = m[i][k] / m[k][k];
       for (std::size_t j = k; j < size; ++j) m[i][j] -= factor * m[k][j];
       b[i] -= factor * b[k];
     }
   }
   for (std::size_t k = size; k-- > 0;) {
-    double sum = b[k];
+    T sum = b[k];
     for (std::size_t j = k + 1; j < size; ++j) sum -= m[k][j] * z[j];
     z[k] = sum / m[k][k];
   }
@@ -44,8 +47,9 @@ inline bool solve_linear(Matrix m, Vector b, int n, Vector& z) {
 }
 
 /// max |f_i|.
-inline double max_norm(const Vector& f, int n) {
-  double size = 0;
+template <class T>
+T max_norm(const BasicVector<T>& f, int n) {
+  T size = 0;
   for (int i = 0; i < n; ++i) size = std::max(size, std::fabs(f[static_cast<std::size_t>(i)]));
   return size;
 }
@@ -53,40 +57,46 @@ inline double max_norm(const Vector& f, int n) {
 /// What a residual of size `noise` leaves open about x[0]: noise times the first row of |J^-1|, but no more
 /// than sqrt(noise * scale), the width of a touching root whose curvature is of the equation's own size.
 /// Beyond that width the root counts as touching.
-inline Root root_of_system(const SystemEquation& equation, const Vector& x, const Matrix& jacobian) {
-  const double noise = kNoise * kU * equation.residual_scale;
-  const double touching_width = std::sqrt(noise * equation.residual_scale);
-  double row = 0;
+template <class T>
+Root root_of_system(const BasicSystemEquation<T>& equation, const BasicVector<T>& x,
+                    const BasicMatrix<T>& jacobian) {
+  const T noise = kNoise * kU<T> * equation.residual_scale;
+  const T touching_width = std::sqrt(noise * equation.residual_scale);
+  T row = 0;
   for (int k = 0; k < equation.unknowns; ++k) {
-    Vector unit{};
+    BasicVector<T> unit{};
     unit[static_cast<std::size_t>(k)] = 1;
-    Vector column{};
+    BasicVector<T> column{};
     const bool solved = solve_linear(jacobian, unit, equation.unknowns, column);
-    row += solved ? std::fabs(column[0]) : std::numeric_limits<double>::infinity();
+    row += solved ? std::fabs(column[0]) : std::numeric_limits<T>::infinity();
   }
   const bool touching = !(row * noise <= touching_width);
-  return {.x = x[0],
-          .others = {x[1], x[2]},
-          .radius = touching ? touching_width : row * noise,
-          .multiplicity = touching ? 2U : 1U};
+  return found_root(x[0], touching ? touching_width : row * noise, touching ? 2U : 1U, {x[1], x[2]});
 }
 
 /// Is the residual at x no more than rounding?
-inline bool is_root(const SystemEquation& equation, const Vector& f) {
-  return max_norm(f, equation.unknowns) <= kNoise * kU * equation.residual_scale;
+template <class T>
+bool is_root(const BasicSystemEquation<T>& equation, const BasicVector<T>& f) {
+  return max_norm(f, equation.unknowns) <= kNoise * kU<T> * equation.residual_scale;
 }
-/// What |f| may be at a double next to a root: the rounding of f, and what the spacing of x itself leaves.
-inline double noise(double x, const Jet& jet) { return 4 * (jet.f_error + kU * std::fabs(x * jet.df)); }
-inline bool is_root(double x, const Jet& jet) { return std::fabs(jet.f) <= noise(x, jet); }
+/// What |f| may be at a number next to a root: the rounding of f, and what the spacing of x itself leaves.
+template <class T>
+T noise(T x, const BasicJet<T>& jet) {
+  return 4 * (jet.f_error + kU<T> * std::fabs(x * jet.df));
+}
+template <class T>
+bool is_root(T x, const BasicJet<T>& jet) {
+  return std::fabs(jet.f) <= noise(x, jet);
+}
 
 /// The root at a converged x of a scalar equation. It touches where f' is too small to tell two roots apart:
 /// f'^2 <= 2 |f''| noise, when the parabola through the point has its roots within noise of each other.
-inline Root root_of_scalar(double x, const Jet& jet) {
-  const double open = noise(x, jet);
+template <class T>
+Root root_of_scalar(T x, const BasicJet<T>& jet) {
+  const T open = noise(x, jet);
   const bool touching = jet.df * jet.df <= 2 * std::fabs(jet.ddf) * open;
-  const double radius =
-      touching ? 2 * std::sqrt(2 * open / std::fabs(jet.ddf)) : 2 * open / std::fabs(jet.df);
-  return {.x = x, .others = {}, .radius = radius, .multiplicity = touching ? 2U : 1U};
+  const T radius = touching ? 2 * std::sqrt(2 * open / std::fabs(jet.ddf)) : 2 * open / std::fabs(jet.df);
+  return found_root(x, radius, touching ? 2U : 1U);
 }
 
 /// Adds a root unless it is one already found: |x - y| <= r_x + r_y. The sharper of two equals stays.
@@ -103,14 +113,15 @@ inline void add_distinct(Roots& roots, const Root& found) {
   roots.list.push_back(found);
 }
 
-/// Starts `tries` times from `start(rng)`, iterates by `local`, and collects the distinct roots in ascending
-/// order. Ends early when max_roots are found. `local(x, root)` returns whether it converged to a root.
-template <class Start, class Local>
+/// Starts `tries` times (T: float or double) from `start(rng)`, iterates by `local`, and collects the
+/// distinct roots in ascending order. Ends early when max_roots are found. `local(x, root)` returns whether
+/// it converged to a root.
+template <class T, class Start, class Local>
 void search(std::uint64_t seed, int tries, int max_roots, Roots& roots, const Start& start,
             const Local& local) {
   Rng rng(seed);
   for (int i = 0; i < tries; ++i) {
-    Vector x{};
+    BasicVector<T> x{};
     ++roots.counters.starts;
     Root root;
     if (start(rng, x) && local(x, root)) add_distinct(roots, root);
@@ -129,10 +140,11 @@ inline void clamp(const SystemEquation& equation, Vector& x) {
 
 /// A step from x that would leave [lo, hi] goes half the way to the bound instead: the end itself may be
 /// singular (a pole, where theta has no meaning), and half steps reach it as well if the root is there.
-inline double step_inside(double x, double step, double lo, double hi) {
-  const double next = x + step;
-  if (next < lo) return 0.5 * (x + lo);
-  if (next > hi) return 0.5 * (x + hi);
+template <class T>
+T step_inside(T x, T step, T lo, T hi) {
+  const T next = x + step;
+  if (next < lo) return (x + lo) / 2;
+  if (next > hi) return (x + hi) / 2;
   return next;
 }
 

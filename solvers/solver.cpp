@@ -32,4 +32,8 @@ std::string_view to_string(Form form) {
   return "?";
 }
 
+std::string_view to_string(Precision precision) {
+  return precision == Precision::binary64 ? "double" : "float";
+}
+
 }  // namespace graze

@@ -33,10 +33,11 @@ struct SolverInfo {
   /// Forms it takes, best first: where a surface offers several formulations and the user names none,
   /// the first form that the surface offers is used.
   std::vector<Form> forms;
+  int max_degree = 0;  ///< of the polynomials it takes; 0: any. Above it the answer is `failed`
 };
 
 /// A solver is a plain struct, built once from its options, that solves one equation of a form it takes:
-///   void solve(const PolynomialEquation&, Roots&) const;   // and / or the other forms
+///   void solve(const PolynomialEquation&, Roots&) const;   // and / or the other forms, and / or in float
 /// `Roots` comes cleared. The call neither throws nor allocates beyond the answer's own memory (exceptions
 /// are said in the method's header), and is safe to make from many threads.
 template <class S, class Equation>
@@ -45,22 +46,43 @@ concept Solves = requires(const S& solver, const Equation& equation, Roots& root
 };
 
 template <class S>
-concept Solver = (Solves<S, PolynomialEquation> || Solves<S, ScalarEquation> || Solves<S, IntervalEquation> ||
-                  Solves<S, SystemEquation>)&&std::constructible_from<S, const Parameters&>&& requires {
+concept Solver = std::constructible_from<S, const Parameters&> && requires {
   { S::info() } -> std::same_as<SolverInfo>;
-};
+} &&(Solves<S, PolynomialEquation> || Solves<S, ScalarEquation> || Solves<S, IntervalEquation> ||
+     Solves<S, SystemEquation>);
+
+/// Whether S takes equations of this form in this arithmetic.
+template <class S>
+constexpr bool solver_takes(Form form, Precision precision) {
+  const bool wide = precision == Precision::binary64;
+  switch (form) {
+    case Form::polynomial:
+      return wide ? Solves<S, PolynomialEquation> : Solves<S, BasicPolynomialEquation<float>>;
+    case Form::scalar:
+      return wide ? Solves<S, ScalarEquation> : Solves<S, BasicScalarEquation<float>>;
+    case Form::interval:
+      return wide && Solves<S, IntervalEquation>;
+    case Form::system:
+      return wide ? Solves<S, SystemEquation> : Solves<S, BasicSystemEquation<float>>;
+  }
+  return false;
+}
 
 /// A solver with its type erased: one virtual call a batch of equations, never one an equation.
 class AnySolver {
  public:
   virtual ~AnySolver() = default;
-  [[nodiscard]] virtual bool takes(Form form) const = 0;
+  [[nodiscard]] virtual bool takes(Form form, Precision precision = Precision::binary64) const = 0;
   /// Solves equations[i] into roots[i], which is cleared first. Throws std::logic_error for a form that
   /// `takes` denies: the caller asks first.
   virtual void solve(std::span<const PolynomialEquation> equations, std::span<Roots> roots) const = 0;
   virtual void solve(std::span<const ScalarEquation> equations, std::span<Roots> roots) const = 0;
   virtual void solve(std::span<const IntervalEquation> equations, std::span<Roots> roots) const = 0;
   virtual void solve(std::span<const SystemEquation> equations, std::span<Roots> roots) const = 0;
+  virtual void solve(std::span<const BasicPolynomialEquation<float>> equations,
+                     std::span<Roots> roots) const = 0;
+  virtual void solve(std::span<const BasicScalarEquation<float>> equations, std::span<Roots> roots) const = 0;
+  virtual void solve(std::span<const BasicSystemEquation<float>> equations, std::span<Roots> roots) const = 0;
 };
 
 template <Solver S>
@@ -68,23 +90,22 @@ class SolverModel final : public AnySolver {
  public:
   explicit SolverModel(const Parameters& options) : solver_(options) {}
 
-  [[nodiscard]] bool takes(Form form) const override {
-    switch (form) {
-      case Form::polynomial:
-        return Solves<S, PolynomialEquation>;
-      case Form::scalar:
-        return Solves<S, ScalarEquation>;
-      case Form::interval:
-        return Solves<S, IntervalEquation>;
-      case Form::system:
-        return Solves<S, SystemEquation>;
-    }
-    return false;
+  [[nodiscard]] bool takes(Form form, Precision precision) const override {
+    return solver_takes<S>(form, precision);
   }
   void solve(std::span<const PolynomialEquation> e, std::span<Roots> r) const override { solve_all(e, r); }
   void solve(std::span<const ScalarEquation> e, std::span<Roots> r) const override { solve_all(e, r); }
   void solve(std::span<const IntervalEquation> e, std::span<Roots> r) const override { solve_all(e, r); }
   void solve(std::span<const SystemEquation> e, std::span<Roots> r) const override { solve_all(e, r); }
+  void solve(std::span<const BasicPolynomialEquation<float>> e, std::span<Roots> r) const override {
+    solve_all(e, r);
+  }
+  void solve(std::span<const BasicScalarEquation<float>> e, std::span<Roots> r) const override {
+    solve_all(e, r);
+  }
+  void solve(std::span<const BasicSystemEquation<float>> e, std::span<Roots> r) const override {
+    solve_all(e, r);
+  }
 
  private:
   template <class Equation>
@@ -106,13 +127,14 @@ class SolverModel final : public AnySolver {
 struct SolverEntry {
   std::string_view name;
   SolverInfo info;
+  bool (*takes)(Form, Precision) = nullptr;
   std::function<std::unique_ptr<AnySolver>(const Parameters&)> make;
 };
 
 /// The entry of method S under `name`. Building a solver throws std::invalid_argument for a bad option.
 template <Solver S>
 SolverEntry solver_entry(std::string_view name) {
-  return {name, S::info(), [name](const Parameters& options) -> std::unique_ptr<AnySolver> {
+  return {name, S::info(), &solver_takes<S>, [name](const Parameters& options) -> std::unique_ptr<AnySolver> {
             std::vector<std::string_view> known;
             for (const auto& option : S::info().options) known.push_back(option.name);
             options.expect_only(known, name);

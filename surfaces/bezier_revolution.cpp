@@ -8,22 +8,24 @@
 namespace graze {
 namespace {
 
-constexpr double kU = 0x1p-53;  // unit roundoff
+constexpr double kU = 0x1p-53;  // unit roundoff of double
 
 // Kinds of equation that the polynomial formulation poses; the along-ray one uses the piece's index.
 enum Kind : std::uint32_t { kSurface, kAxis, kCircle };  // kCircle + the piece's index
 
 /// Value and first two derivatives of one coordinate.
+template <class T>
 struct Curve {
-  double value, first, second;
+  T value, first, second;
 };
 
-Curve evaluate_curve(std::span<const double> b, double t) {
-  std::array<double, BezierRevolution::kMaxPoints> work;
-  std::copy(b.begin(), b.end(), work.begin());
-  const auto n = static_cast<double>(b.size() - 1);
-  const double s = 1 - t;
-  Curve curve{b[0], 0, 0};
+template <class T>
+Curve<T> evaluate_curve(std::span<const double> b, T t) {
+  std::array<T, BezierRevolution::kMaxPoints> work;
+  std::transform(b.begin(), b.end(), work.begin(), [](double v) { return static_cast<T>(v); });
+  const auto n = static_cast<T>(b.size() - 1);
+  const T s = 1 - t;
+  Curve<T> curve{work[0], 0, 0};
   // The triangle's rows of three, two and one entries hold the second derivative, the first and the value.
   for (std::size_t size = b.size(); size > 1; --size) {
     if (size == 3) curve.second = n * (n - 1) * (work[2] - 2 * work[1] + work[0]);
@@ -140,7 +142,10 @@ struct PieceAlongRay {
     curvature = sqr(point(ray.d.x)) + sqr(point(ray.d.z));
   }
 
-  static Jet eval(const void* self, double x) { return static_cast<const PieceAlongRay*>(self)->jet(x); }
+  template <class T>
+  static BasicJet<T> eval(const void* self, T x) {
+    return static_cast<const PieceAlongRay*>(self)->jet(x);
+  }
   static Interval value(const void* self, Interval x) {
     return static_cast<const PieceAlongRay*>(self)->f(x);
   }
@@ -149,25 +154,33 @@ struct PieceAlongRay {
   }
 
   /// With G = R^2 as a function of y: G' = 2 R R'/Y', G'' = (2 R'^2 + 2 R R'' - G' Y'') / Y'^2.
-  [[nodiscard]] Jet jet(double delta) const {
-    const Vec3 p = ray.at(delta);
-    const double t = profile->invert(*piece, std::clamp(p.y, piece->y_lo, piece->y_hi));
-    const Curve r = evaluate_curve(profile->r, t);
-    const Curve y = evaluate_curve(profile->y, t);
+  template <class T>
+  [[nodiscard]] BasicJet<T> jet(T delta) const {
+    constexpr T kUnit = std::numeric_limits<T>::epsilon() / 2;
+    // y_error and r_error count roundings of double.
+    const T wider = static_cast<T>(static_cast<double>(kUnit) / kU);
+    const T height_error = wider * static_cast<T>(y_error);
+    const auto [x, height, z] = ray.point_at<T>(delta);
+    const T dx = static_cast<T>(ray.d.x), ray_dy = static_cast<T>(ray.d.y), dz = static_cast<T>(ray.d.z);
+    const T t =
+        profile->invert(*piece, std::clamp(height, static_cast<T>(piece->y_lo), static_cast<T>(piece->y_hi)));
+    const Curve<T> r = evaluate_curve(profile->r, t);
+    const Curve<T> y = evaluate_curve(profile->y, t);
     // Where the profile runs horizontally G' is infinite; the smallest slope that rounding leaves keeps it a
     // number.
-    const double floor = std::sqrt(kU) * y_error;
-    const double dy = std::copysign(std::max(std::fabs(y.first), floor), piece->rising ? 1.0 : -1.0);
-    const double g1 = 2 * r.value * r.first / dy;
-    const double g2 = (2 * (r.first * r.first + r.value * r.second) - g1 * y.second) / (dy * dy);
-    Jet jet;
-    const double distance2 = p.x * p.x + p.z * p.z;
+    const T floor = std::sqrt(kUnit) * height_error;
+    const T dy = std::copysign(std::max(std::fabs(y.first), floor), piece->rising ? T{1} : T{-1});
+    const T g1 = 2 * r.value * r.first / dy;
+    const T g2 = (2 * (r.first * r.first + r.value * r.second) - g1 * y.second) / (dy * dy);
+    BasicJet<T> jet;
+    const T distance2 = x * x + z * z;
     jet.f = r.value * r.value - distance2;
-    jet.df = g1 * ray.d.y - 2 * (p.x * ray.d.x + p.z * ray.d.z);
-    jet.ddf = g2 * ray.d.y * ray.d.y - 2 * (ray.d.x * ray.d.x + ray.d.z * ray.d.z);
-    const double t_error = std::min(y_error / std::fabs(dy), std::sqrt(2 * y_error / std::fabs(y.second)));
-    const double radius_error = r_error + std::fabs(r.first) * t_error;
-    jet.f_error = (2 * std::fabs(r.value) + radius_error) * radius_error + 8 * kU * distance2;
+    jet.df = g1 * ray_dy - 2 * (x * dx + z * dz);
+    jet.ddf = g2 * ray_dy * ray_dy - 2 * (dx * dx + dz * dz);
+    const T t_error =
+        std::min(height_error / std::fabs(dy), std::sqrt(2 * height_error / std::fabs(y.second)));
+    const T radius_error = wider * static_cast<T>(r_error) + std::fabs(r.first) * t_error;
+    jet.f_error = (2 * std::fabs(r.value) + radius_error) * radius_error + 8 * kUnit * distance2;
     return jet;
   }
 
@@ -273,28 +286,34 @@ BezierProfile::BezierProfile(std::vector<double> control_r, std::vector<double> 
   orientation = volume_sign(*this);
 }
 
-ProfilePoint BezierProfile::at(double t) const {
-  const Curve cr = evaluate_curve(r, t);
-  const Curve cy = evaluate_curve(y, t);
-  return {cr.value, flat ? y[0] : cy.value, cr.first, flat ? 0 : cy.first};
+template <class T>
+BasicProfilePoint<T> BezierProfile::at(T t) const {
+  const Curve<T> cr = evaluate_curve(r, t);
+  const Curve<T> cy = evaluate_curve(y, t);
+  return {cr.value, flat ? static_cast<T>(y[0]) : cy.value, cr.first, flat ? T{0} : cy.first};
 }
 
-double BezierProfile::invert(const MonotonePiece& piece, double height) const {
-  double lo = piece.t_lo;
-  double hi = piece.t_hi;
-  const double direction = piece.rising ? 1 : -1;
-  const double share = (height - piece.y_lo) / (piece.y_hi - piece.y_lo);
-  double t = std::clamp(piece.rising ? lo + share * (hi - lo) : hi - share * (hi - lo), lo, hi);
+template BasicProfilePoint<double> BezierProfile::at(double) const;
+template BasicProfilePoint<float> BezierProfile::at(float) const;
+
+template <class T>
+T BezierProfile::invert(const MonotonePiece& piece, T height) const {
+  T lo = static_cast<T>(piece.t_lo);
+  T hi = static_cast<T>(piece.t_hi);
+  const T y_lo = static_cast<T>(piece.y_lo), y_hi = static_cast<T>(piece.y_hi);
+  const T direction = piece.rising ? T{1} : T{-1};
+  const T share = (height - y_lo) / (y_hi - y_lo);
+  T t = std::clamp(piece.rising ? lo + share * (hi - lo) : hi - share * (hi - lo), lo, hi);
   constexpr int kSteps = 100;  // bisection alone needs 53 or so from any start
   for (int step = 0; step < kSteps; ++step) {
-    const Curve c = evaluate_curve(y, t);
-    const double excess = (c.value - height) * direction;
+    const Curve<T> c = evaluate_curve(y, t);
+    const T excess = (c.value - height) * direction;
     if (excess == 0) return t;
     (excess > 0 ? hi : lo) = t;
-    double next = t - (c.value - height) / c.first;
-    if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
+    T next = t - (c.value - height) / c.first;
+    if (!(next > lo && next < hi)) next = (lo + hi) / 2;
     if (next == t || next <= lo || next >= hi) break;
-    const bool settled = std::fabs(next - t) <= 2 * kU * std::fabs(t);
+    const bool settled = std::fabs(next - t) <= std::numeric_limits<T>::epsilon() * std::fabs(t);
     t = next;
     if (settled) break;
   }
@@ -355,7 +374,7 @@ std::vector<T> BezierPolynomial::coefficients(const LocalRay& ray) const {
       if constexpr (std::is_same_v<T, Interval>) {
         c[i + j] += weights_[i * size + j] * product;
       } else {
-        c[i + j] += mid(weights_[i * size + j]) * product;
+        c[i + j] += static_cast<T>(mid(weights_[i * size + j])) * product;
       }
     }
   }
@@ -375,7 +394,7 @@ void BezierPolynomial::pose_circles(const LocalRay& ray, EquationBlock& block) c
                         const Interval t = PieceAlongRay(profile_, piece, ray).parameter(point(ray.o.y));
                         radius = bernstein_evaluate(profile_.r, {}, t);
                       } else {
-                        radius = profile_.at(profile_.invert(piece, ray.o.y)).r;
+                        radius = profile_.at(profile_.invert(piece, exactly<T>(ray.o.y))).r;
                       }
                       const auto [px, py, pz] = recentred_point<T>(ray);
                       const T dx = exactly<T>(ray.d.x), dz = exactly<T>(ray.d.z);
@@ -400,7 +419,7 @@ void BezierPolynomial::pose(const LocalRay& ray, EquationBlock& block) const {
       pose_polynomial(block, kAxis, Basis::bernstein, 0, 1, epsilons, [&](auto number) {
         using T = decltype(number);
         using std::sqrt;
-        const T u = side * sqrt(sqr(exactly<T>(ray.o.x)) + sqr(exactly<T>(ray.o.z)));
+        const T u = exactly<T>(side) * sqrt(sqr(exactly<T>(ray.o.x)) + sqr(exactly<T>(ray.o.z)));
         std::vector<T> c;
         for (std::size_t i = 0; i < size; ++i) c.push_back(exactly<T>(profile_.r[i]) - u);
         return c;
@@ -452,7 +471,7 @@ void BezierAlongRay::pose(const LocalRay& ray, EquationBlock& block) const {
     PieceAlongRay* const self = block.arena().make(PieceAlongRay(profile, profile.pieces[i], ray));
     const auto kind = static_cast<std::uint32_t>(i);
     if (block.form() == Form::scalar) {
-      block.pose(ScalarEquation{self, &PieceAlongRay::eval, lo, hi, 0, hash_combine(ray.seed(), i)}, kind);
+      pose_scalar(block, kind, self, lo, hi, 0, hash_combine(ray.seed(), i));
     } else {
       self->prepare_intervals();
       block.pose(
@@ -469,7 +488,7 @@ void BezierAlongRay::lift(const LocalRay& ray, const Posed& posed, const Root& r
   const double y = std::clamp(std::fma(root.x, ray.d.y, ray.p.y), piece.y_lo, piece.y_hi);
   const double t = profile.invert(piece, y);
   if (posed.kind > 0 && t == piece.t_lo) return;  // the ring between two pieces belongs to the one before
-  hits.push_back({.multiplicity = root.multiplicity, .delta = root.x, .t = t});
+  hits.push_back({.multiplicity = root.multiplicity, .delta = root.x, .t = t, .is_root = true});
 }
 
 // -------------------------------------------------------------------------------------------------- system
@@ -496,10 +515,14 @@ SurfaceInfo BezierRevolution::info() {
   info.source = "document 003";
   info.page = "surfaces/bezier_revolution.md";
   info.parameters = {"control_points"};
-  info.lengths = {"control_points"};
   info.params = {"t", "theta"};
   info.regions = {BezierRegions::kNames.begin(), BezierRegions::kNames.end()};
   return info;
+}
+
+Parameters BezierRevolution::scaled(const Parameters& parameters, double factor) {
+  constexpr std::array kLengths{Length{"control_points"}};
+  return scale_lengths(parameters, kLengths, factor);
 }
 
 BezierRevolution::BezierRevolution(const SurfaceSpec& spec) {

@@ -37,9 +37,11 @@ struct BezierProfile {
 
   BezierProfile() = default;
   BezierProfile(std::vector<double> control_r, std::vector<double> control_y);
-  [[nodiscard]] ProfilePoint at(double t) const;
+  template <class T>
+  [[nodiscard]] BasicProfilePoint<T> at(T t) const;
   /// Y on one monotone piece, inverted: bisection-safeguarded Newton to the last bits.
-  [[nodiscard]] double invert(const MonotonePiece& piece, double height) const;
+  template <class T>
+  [[nodiscard]] T invert(const MonotonePiece& piece, T height) const;
   [[nodiscard]] double t_of_height(double height, double u) const;
   [[nodiscard]] Cylinder bounds() const { return cylinder; }
   [[nodiscard]] static int max_hits() { return 0; }  // not known: up to 2n
@@ -100,9 +102,11 @@ struct BezierRevolution {
   static constexpr std::size_t kMaxPoints = 33;  ///< the polynomial has degree 2n <= 64 (kMaxBernsteinDegree)
 
   static SurfaceInfo info();
+  static Parameters scaled(const Parameters& parameters, double factor);
   explicit BezierRevolution(const SurfaceSpec& spec);
   [[nodiscard]] int unit() const { return unit_; }
   [[nodiscard]] double size() const { return size_; }
+  [[nodiscard]] Bounds bounds() const { return revolution::box(profile, unit_); }
   [[nodiscard]] bool clip(LocalRay& ray) const { return revolution::clip(ray, profile.cylinder); }
   [[nodiscard]] LocalPoint describe(const LocalRay& ray, const LocalHit& hit) const;
   [[nodiscard]] SurfaceSample sample(double u, double v) const {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <new>
 #include <span>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -70,59 +71,61 @@ struct Posed {
   std::uint32_t kind = 0;
 };
 
-/// All equations of a block of rays in one form. A ray may pose none (culled), one, or several.
+/// All equations of a block of rays in one form and arithmetic. A ray may pose none (culled), one, or
+/// several.
 class EquationBlock {
  public:
   /// Empties the block for equations of `form`. With `coefficient_errors` formulations also bound the
   /// rounding errors of polynomial coefficients, which a certified solver needs and others do not pay for.
-  void reset(Form form, bool coefficient_errors) {
+  void reset(Form form, Precision precision, bool coefficient_errors) {
     form_ = form;
+    precision_ = precision;
     coefficient_errors_ = coefficient_errors;
     arena_.clear();
-    polynomial_.clear();
-    scalar_.clear();
-    interval_.clear();
-    system_.clear();
+    std::apply([](auto&... list) { (list.clear(), ...); }, equations_);
     posed_.clear();
     settled_.clear();
+    tests_.clear();
   }
   [[nodiscard]] Form form() const { return form_; }
+  [[nodiscard]] Precision precision() const { return precision_; }
   [[nodiscard]] bool wants_coefficient_errors() const { return coefficient_errors_; }
   [[nodiscard]] Arena& arena() { return arena_; }
 
   /// The ray whose equations come next.
   void begin_ray(std::uint32_t ray) { ray_ = ray; }
-  void pose(const PolynomialEquation& equation, std::uint32_t kind = 0) { add(polynomial_, equation, kind); }
-  void pose(const ScalarEquation& equation, std::uint32_t kind = 0) { add(scalar_, equation, kind); }
-  void pose(const IntervalEquation& equation, std::uint32_t kind = 0) { add(interval_, equation, kind); }
-  void pose(const SystemEquation& equation, std::uint32_t kind = 0) { add(system_, equation, kind); }
-  /// Answers the current ray without a solver, with a status other than ok.
-  void settle(Status status) { settled_.emplace_back(ray_, status); }
-
-  [[nodiscard]] std::span<const PolynomialEquation> polynomials() const { return polynomial_; }
-  [[nodiscard]] std::span<const ScalarEquation> scalars() const { return scalar_; }
-  [[nodiscard]] std::span<const IntervalEquation> intervals() const { return interval_; }
-  [[nodiscard]] std::span<const SystemEquation> systems() const { return system_; }
-  [[nodiscard]] std::span<const Posed> posed() const { return posed_; }
-  [[nodiscard]] std::span<const std::pair<std::uint32_t, Status>> settled() const { return settled_; }
-
- private:
+  /// Adds an equation of the current ray, of the block's form and arithmetic.
   template <class Equation>
-  void add(std::vector<Equation>& equations, const Equation& equation, std::uint32_t kind) {
-    equations.push_back(equation);
+  void pose(const Equation& equation, std::uint32_t kind = 0) {
+    std::get<std::vector<Equation>>(equations_).push_back(equation);
     posed_.push_back({ray_, kind});
   }
+  /// Answers the current ray without a solver, with a status other than ok.
+  void settle(Status status) { settled_.emplace_back(ray_, status); }
+  /// Counts tests of the surface's parts that the current ray cost (Counters::tests).
+  void spend(std::uint32_t tests) { tests_.emplace_back(ray_, tests); }
 
+  template <class Equation>
+  [[nodiscard]] std::span<const Equation> of() const {
+    return std::get<std::vector<Equation>>(equations_);
+  }
+  [[nodiscard]] std::span<const Posed> posed() const { return posed_; }
+  [[nodiscard]] std::span<const std::pair<std::uint32_t, Status>> settled() const { return settled_; }
+  [[nodiscard]] std::span<const std::pair<std::uint32_t, std::uint32_t>> tests() const { return tests_; }
+
+ private:
   Form form_ = Form::polynomial;
+  Precision precision_ = Precision::binary64;
   bool coefficient_errors_ = false;
   std::uint32_t ray_ = 0;
   Arena arena_;
-  std::vector<PolynomialEquation> polynomial_;
-  std::vector<ScalarEquation> scalar_;
-  std::vector<IntervalEquation> interval_;
-  std::vector<SystemEquation> system_;
+  std::tuple<std::vector<PolynomialEquation>, std::vector<ScalarEquation>, std::vector<IntervalEquation>,
+             std::vector<SystemEquation>, std::vector<BasicPolynomialEquation<float>>,
+             std::vector<BasicScalarEquation<float>>, std::vector<BasicSystemEquation<float>>>
+      equations_;
   std::vector<Posed> posed_;
   std::vector<std::pair<std::uint32_t, Status>> settled_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> tests_;
 };
 
 }  // namespace graze

@@ -13,10 +13,19 @@ bool offers(const FormulationInfo& formulation, Form form) {
   return std::find(formulation.forms.begin(), formulation.forms.end(), form) != formulation.forms.end();
 }
 
-/// The first of the solver's forms that the formulation offers.
-std::optional<Form> common_form(const SolverEntry& solver, const FormulationInfo& formulation) {
+/// Whether the solver takes this formulation in this form and arithmetic.
+bool fits(const SolverEntry& solver, const FormulationInfo& formulation, Form form, Precision precision) {
+  if (!offers(formulation, form) || !solver.takes(form, precision)) return false;
+  // A degree that depends on the surface is none that a solver of limited degree can rely on.
+  const int limit = solver.info.max_degree;
+  return form != Form::polynomial || limit == 0 || (0 < formulation.degree && formulation.degree <= limit);
+}
+
+/// The first of the solver's forms that fits the formulation.
+std::optional<Form> common_form(const SolverEntry& solver, const FormulationInfo& formulation,
+                                Precision precision) {
   for (const Form form : solver.info.forms) {
-    if (offers(formulation, form)) return form;
+    if (fits(solver, formulation, form, precision)) return form;
   }
   return std::nullopt;
 }
@@ -54,133 +63,9 @@ Status worse(Status a, Status b) { return std::max(a, b); }
 static_assert(Status::ok < Status::uncertain && Status::uncertain < Status::failed &&
               Status::failed < Status::coincident && Status::coincident < Status::invalid);
 
-}  // namespace
+std::string in_float(Precision precision) { return precision == Precision::binary32 ? " in float" : ""; }
 
-Pairing pair_up(const SolverEntry& solver, const SurfaceEntry& surface, std::string_view formulation) {
-  if (!formulation.empty()) {
-    const std::size_t index = find_formulation(surface, formulation);
-    if (const auto form = common_form(solver, surface.formulations[index])) return {index, *form};
-    throw std::invalid_argument("solver '" + std::string(solver.name) + "' takes no form of formulation '" +
-                                std::string(formulation) + "' (see graze list)");
-  }
-  for (const Form form : solver.info.forms) {
-    for (std::size_t i = 0; i < surface.formulations.size(); ++i) {
-      if (offers(surface.formulations[i], form)) return {i, form};
-    }
-  }
-  throw std::invalid_argument("solver '" + std::string(solver.name) + "' takes no form that surface '" +
-                              std::string(surface.name) + "' offers (see graze list)");
-}
-
-std::vector<Pairing> all_pairings(const SolverEntry& solver, const SurfaceEntry& surface) {
-  std::vector<Pairing> pairings;
-  for (std::size_t i = 0; i < surface.formulations.size(); ++i) {
-    if (const auto form = common_form(solver, surface.formulations[i])) pairings.push_back({i, *form});
-  }
-  return pairings;
-}
-
-Intersector::Intersector(const SurfaceEntry& surface, const SurfaceSpec& spec, const SolverEntry& solver,
-                         const Parameters& solver_options, std::string_view formulation)
-    : pairing_(pair_up(solver, surface, formulation)),
-      certified_(solver.info.claims.certified),
-      placed_(!spec.placement.is_identity()),
-      surface_(surface.make(spec)),
-      solver_(solver.make(solver_options)) {
-  translate_ = spec.placement.translate;
-  to_object_ = inverse(spec.placement.matrix);
-}
-
-void Intersector::intersect(std::span<const Ray> rays, Workspace& work) const {
-  to_object_space(rays, work);
-  surface_->localize(work.object_rays, work.local, {work.inside.data(), rays.size()});
-  for (std::size_t i = 0; i < rays.size(); ++i) work.inside[i] = work.inside[i] && is_valid(rays[i]);
-
-  work.equations.reset(pairing_.form, certified_);
-  surface_->pose(pairing_.formulation, work.local, {work.inside.data(), rays.size()}, work.equations);
-  solve(work);
-
-  work.status.assign(rays.size(), Status::ok);
-  work.counters.assign(rays.size(), {});
-  for (const auto& [ray, status] : work.equations.settled())
-    work.status[ray] = worse(work.status[ray], status);
-  const std::size_t count = work.equations.posed().size();
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t ray = work.equations.posed()[i].ray;
-    work.status[ray] = worse(work.status[ray], work.roots[i].status);
-    work.counters[ray] += work.roots[i].counters;
-  }
-  work.hits.clear();
-  surface_->lift(pairing_.formulation, work.local, work.equations, {work.roots.data(), count}, work.hits);
-}
-
-void Intersector::to_object_space(std::span<const Ray> rays, Workspace& work) const {
-  work.object_rays.assign(rays.begin(), rays.end());
-  work.local.resize(rays.size());
-  if (!placed_) return;
-  for (Ray& ray : work.object_rays) ray = {to_object_ * (ray.o - translate_), to_object_ * ray.d};
-}
-
-void Intersector::solve(Workspace& work) const {
-  const std::size_t count = work.equations.posed().size();
-  if (work.roots.size() < count) work.roots.resize(count);
-  const std::span<Roots> roots{work.roots.data(), count};
-  switch (pairing_.form) {
-    case Form::polynomial:
-      return solver_->solve(work.equations.polynomials(), roots);
-    case Form::scalar:
-      return solver_->solve(work.equations.scalars(), roots);
-    case Form::interval:
-      return solver_->solve(work.equations.intervals(), roots);
-    case Form::system:
-      return solver_->solve(work.equations.systems(), roots);
-  }
-}
-
-void Intersector::describe(std::span<const LocalHit> hits, Workspace& work) const {
-  work.points.clear();
-  surface_->describe(work.local, hits, work.points);
-  if (!placed_) return;
-  const Mat3 normal_to_world = transpose(to_object_);
-  for (LocalPoint& point : work.points) point.normal = normalized(normal_to_world * point.normal);
-}
-
-void Scene::intersect(std::span<const Ray> rays, Query query, Wanted wanted, Workspace& work,
-                      HitBuffer& out) const {
-  work.members.resize(members_.size());
-  for (std::size_t i = 0; i < rays.size(); i += kBlock) {
-    answer_block(rays.subspan(i, std::min(kBlock, rays.size() - i)), query, wanted, work, out);
-  }
-}
-
-void Scene::answer_block(std::span<const Ray> rays, Query query, Wanted wanted, Workspace& work,
-                         HitBuffer& out) const {
-  work.hits.clear();
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    members_[i].intersect(rays, work.members[i]);
-    collect(static_cast<std::uint32_t>(i), work.members[i], work.hits);
-  }
-  std::sort(work.hits.begin(), work.hits.end(), [](const SceneHit& a, const SceneHit& b) {
-    return std::tie(a.ray, a.l, a.surface) < std::tie(b.ray, b.l, b.surface);
-  });
-  merge_equal(work.hits);
-  if (query != Query::all) keep_first(work.hits);
-  write_out(rays, wanted, work, out);
-}
-
-void Scene::collect(std::uint32_t surface, Intersector::Workspace& member, std::vector<SceneHit>& hits) {
-  for (const LocalHit& hit : member.hits) {
-    if (hit.in_doubt) {  // proved to be a hit of the line, but not where on the ray
-      member.status[hit.ray] = worse(member.status[hit.ray], Status::uncertain);
-      continue;
-    }
-    const LocalRay& ray = member.local[hit.ray];
-    const double l = scale_by_power(ray.centre + hit.delta, ray.l_exponent);
-    if (l > 0 && std::isfinite(l)) hits.push_back({l, hit.ray, surface, hit});
-  }
-}
-
-void Scene::merge_equal(std::vector<SceneHit>& hits) {
+void merge_equal(std::vector<SceneHit>& hits) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     SceneHit* const last = kept > 0 ? &hits[kept - 1] : nullptr;
@@ -194,9 +79,300 @@ void Scene::merge_equal(std::vector<SceneHit>& hits) {
   hits.resize(kept);
 }
 
-void Scene::keep_first(std::vector<SceneHit>& hits) {
+void keep_first(std::vector<SceneHit>& hits) {
   const auto same_ray = [](const SceneHit& a, const SceneHit& b) { return a.ray == b.ray; };
   hits.erase(std::unique(hits.begin(), hits.end(), same_ray), hits.end());
+}
+
+}  // namespace
+
+Pairing pair_up(const SolverEntry& solver, const SurfaceEntry& surface, std::string_view formulation,
+                Precision precision) {
+  if (!formulation.empty()) {
+    const std::size_t index = find_formulation(surface, formulation);
+    if (const auto form = common_form(solver, surface.formulations[index], precision))
+      return {index, *form, precision};
+    throw std::invalid_argument("solver '" + std::string(solver.name) + "' takes no form of formulation '" +
+                                std::string(formulation) + "'" + in_float(precision) + " (see graze list)");
+  }
+  for (const Form form : solver.info.forms) {
+    for (std::size_t i = 0; i < surface.formulations.size(); ++i) {
+      if (fits(solver, surface.formulations[i], form, precision)) return {i, form, precision};
+    }
+  }
+  throw std::invalid_argument("solver '" + std::string(solver.name) + "' takes no form that surface '" +
+                              std::string(surface.name) + "' offers" + in_float(precision) +
+                              " (see graze list)");
+}
+
+std::vector<Pairing> all_pairings(const SolverEntry& solver, const SurfaceEntry& surface,
+                                  Precision precision) {
+  std::vector<Pairing> pairings;
+  for (std::size_t i = 0; i < surface.formulations.size(); ++i) {
+    if (const auto form = common_form(solver, surface.formulations[i], precision))
+      pairings.push_back({i, *form, precision});
+  }
+  return pairings;
+}
+
+// --------------------------------------------------------------------------------------------- intersector
+
+Intersector::Intersector(const SurfaceEntry& surface, const SolverEntry& solver, const Method& method)
+    : surface_name_(surface.name),
+      solver_name_(solver.name),
+      options_(method.options),
+      pairing_(pair_up(solver, surface, method.formulation, method.precision)),
+      certified_(solver.info.claims.certified),
+      group_(surface.make_group(pairing_.formulation)),
+      solver_(solver.make(method.options)) {}
+
+std::size_t Intersector::add(const SurfaceEntry& entry, const SurfaceSpec& spec) {
+  check_names(spec, entry.name, entry.info);
+  group_->add(spec);
+  frames_.push_back({!spec.placement.is_identity(), spec.placement, inverse(spec.placement.matrix)});
+  return frames_.size() - 1;
+}
+
+bool Intersector::serves(const SurfaceEntry& surface, const SolverEntry& solver, const Method& method) const {
+  return surface.name == surface_name_ && solver.name == solver_name_ &&
+         method.options.values() == options_.values() &&
+         pair_up(solver, surface, method.formulation, method.precision) == pairing_;
+}
+
+void Intersector::intersect(std::span<const Ray> rays, std::span<const Task> tasks, Workspace& work) const {
+  localize(rays, tasks, work);
+  const std::span<bool> inside{work.inside.data(), tasks.size()};
+  work.equations.reset(pairing_.form, pairing_.precision, certified_);
+  group_->pose(work.local, inside, work.equations);
+  solve(work);
+
+  work.status.assign(tasks.size(), Status::ok);
+  work.counters.assign(tasks.size(), {});
+  for (const auto& [task, status] : work.equations.settled())
+    work.status[task] = worse(work.status[task], status);
+  for (const auto& [task, tests] : work.equations.tests()) work.counters[task].tests += tests;
+  const std::size_t count = work.equations.posed().size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t task = work.equations.posed()[i].ray;
+    work.status[task] = worse(work.status[task], work.roots[i].status);
+    work.counters[task] += work.roots[i].counters;
+  }
+  work.hits.clear();
+  group_->lift(work.local, work.equations, {work.roots.data(), count}, work.hits);
+}
+
+void Intersector::localize(std::span<const Ray> rays, std::span<const Task> tasks, Workspace& work) const {
+  work.object_rays.resize(tasks.size());
+  work.numbers.resize(tasks.size());
+  work.local.resize(tasks.size());
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    const Ray& ray = rays[tasks[i].ray];
+    const Frame& frame = frames_[tasks[i].surface];
+    work.numbers[i] = tasks[i].surface;
+    work.object_rays[i] =
+        frame.is_placed ? Ray{frame.to_object * (ray.o - frame.placement.translate), frame.to_object * ray.d}
+                        : ray;
+  }
+  group_->localize(work.object_rays, work.numbers, work.local, {work.inside.data(), tasks.size()});
+}
+
+template <class Equation>
+void Intersector::solve_all(Workspace& work) const {
+  const std::span<const Equation> equations = work.equations.of<Equation>();
+  if (work.roots.size() < equations.size()) work.roots.resize(equations.size());
+  solver_->solve(equations, {work.roots.data(), equations.size()});
+}
+
+void Intersector::solve(Workspace& work) const {
+  const bool wide = pairing_.precision == Precision::binary64;
+  switch (pairing_.form) {
+    case Form::polynomial:
+      return wide ? solve_all<PolynomialEquation>(work) : solve_all<BasicPolynomialEquation<float>>(work);
+    case Form::scalar:
+      return wide ? solve_all<ScalarEquation>(work) : solve_all<BasicScalarEquation<float>>(work);
+    case Form::interval:
+      return solve_all<IntervalEquation>(work);
+    case Form::system:
+      return wide ? solve_all<SystemEquation>(work) : solve_all<BasicSystemEquation<float>>(work);
+  }
+}
+
+void Intersector::describe(std::span<const Ray> rays, std::span<const Task> tasks,
+                           std::span<const LocalHit> hits, Workspace& work) const {
+  localize(rays, tasks, work);
+  work.points.clear();
+  group_->describe(work.local, hits, work.points);
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    const Frame& frame = frames_[tasks[i].surface];
+    LocalPoint& point = work.points[i];
+    if (point.is_singular) {
+      point.normal = -normalized(rays[tasks[i].ray].d);
+    } else if (frame.is_placed) {
+      point.normal = normalized(transpose(frame.to_object) * point.normal);
+    }
+  }
+}
+
+// --------------------------------------------------------------------------------------------------- scene
+
+void Scene::add(const SurfaceEntry& surface, const SurfaceSpec& spec, const SolverEntry& solver,
+                const Method& method) {
+  const auto found = std::find_if(
+      intersectors_.begin(), intersectors_.end(),
+      [&](const Intersector& intersector) { return intersector.serves(surface, solver, method); });
+  const auto index = static_cast<std::size_t>(found - intersectors_.begin());
+  if (found == intersectors_.end()) {
+    Intersector fresh(surface, solver, method);
+    fresh.add(surface, spec);
+    intersectors_.push_back(std::move(fresh));
+    surface_of_.emplace_back();
+  } else {
+    found->add(surface, spec);
+  }
+  const std::size_t number = surface_of_[index].size();
+  surface_of_[index].push_back(static_cast<std::uint32_t>(members_.size()));
+  members_.push_back({index, number, intersectors_[index].bounds(number)});
+  lazy_culling_ = std::make_unique<Culling>();
+}
+
+const Scene::Culling& Scene::culling() const {
+  Culling& culling = *lazy_culling_;
+  std::call_once(culling.once, [&] {
+    // A tree of one box would only repeat the test that the surface makes itself.
+    constexpr std::size_t kFewest = 2;
+    std::vector<Bounds> boxes;
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      const bool bounded = members_[i].bounds.is_finite();
+      (bounded ? culling.in_tree : culling.always).push_back(static_cast<std::uint32_t>(i));
+      if (bounded) boxes.push_back(members_[i].bounds);
+    }
+    if (boxes.size() < kFewest) {
+      culling.always.insert(culling.always.end(), culling.in_tree.begin(), culling.in_tree.end());
+      culling.in_tree.clear();
+    } else {
+      culling.tree = Bvh(boxes);
+    }
+  });
+  return culling;
+}
+
+void Scene::intersect(std::span<const Ray> rays, Query query, Wanted wanted, Workspace& work,
+                      HitBuffer& out) const {
+  work.tasks.resize(intersectors_.size());
+  for (std::size_t i = 0; i < rays.size(); i += kBlock) {
+    answer_block(rays.subspan(i, std::min(kBlock, rays.size() - i)), query, wanted, work, out);
+  }
+}
+
+void Scene::answer_block(std::span<const Ray> rays, Query query, Wanted wanted, Workspace& work,
+                         HitBuffer& out) const {
+  work.hits.clear();
+  work.status.resize(rays.size());
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    work.status[i] = is_valid(rays[i]) ? Status::ok : Status::invalid;
+  work.counters.assign(rays.size(), {});
+  work.nearest.assign(rays.size(), std::numeric_limits<double>::infinity());
+  ask_always(rays, work);
+  if (culling_ && query == Query::all) ask_all(rays, work);
+  if (culling_ && query != Query::all) ask_in_front(rays, query, work);
+  std::sort(work.hits.begin(), work.hits.end(), [](const SceneHit& a, const SceneHit& b) {
+    return std::tie(a.ray, a.l, a.surface) < std::tie(b.ray, b.l, b.surface);
+  });
+  merge_equal(work.hits);
+  if (query != Query::all) keep_first(work.hits);
+  write_out(rays, wanted, work, out);
+}
+
+/// Surfaces without bounds, or all of them without culling.
+void Scene::ask_always(std::span<const Ray> rays, Workspace& work) const {
+  const auto ask = [&](std::uint32_t surface) {
+    for (std::uint32_t ray = 0; ray < rays.size(); ++ray) add_task(rays, ray, surface, work);
+  };
+  if (culling_) {
+    for (const std::uint32_t surface : culling().always) ask(surface);
+  } else {
+    for (std::uint32_t surface = 0; surface < members_.size(); ++surface) ask(surface);
+  }
+  flush(rays, work);
+}
+
+/// Every surface whose box a ray meets.
+void Scene::ask_all(std::span<const Ray> rays, Workspace& work) const {
+  const Culling& boxes = culling();
+  if (boxes.tree.empty()) return;
+  work.walks.resize(1);
+  for (std::uint32_t ray = 0; ray < rays.size(); ++ray) {
+    if (work.status[ray] == Status::invalid) continue;
+    work.walks[0].start(boxes.tree, rays[ray]);
+    while (work.walks[0].next(boxes.tree, std::numeric_limits<double>::infinity(), work.leaf)) {
+      for (const std::uint32_t box : work.leaf) add_task(rays, ray, boxes.in_tree[box], work);
+    }
+  }
+  flush(rays, work);
+}
+
+/// Front to back: every ray asks the nearest leaf that it has not asked yet, until no box begins before its
+/// nearest hit (`any`: until it has a hit).
+void Scene::ask_in_front(std::span<const Ray> rays, Query query, Workspace& work) const {
+  const Culling& boxes = culling();
+  if (boxes.tree.empty()) return;
+  if (work.walks.size() < rays.size()) work.walks.resize(rays.size());
+  work.active.clear();
+  for (std::uint32_t ray = 0; ray < rays.size(); ++ray) {
+    if (work.status[ray] == Status::invalid) continue;
+    work.walks[ray].start(boxes.tree, rays[ray]);
+    work.active.push_back(ray);
+  }
+  const auto is_done = [&](std::uint32_t ray) {
+    if (query == Query::any && std::isfinite(work.nearest[ray])) return true;
+    if (!work.walks[ray].next(boxes.tree, work.nearest[ray], work.leaf)) return true;
+    for (const std::uint32_t box : work.leaf) add_task(rays, ray, boxes.in_tree[box], work);
+    return false;
+  };
+  while (!work.active.empty()) {
+    work.active.erase(std::remove_if(work.active.begin(), work.active.end(), is_done), work.active.end());
+    flush(rays, work);
+  }
+}
+
+void Scene::add_task(std::span<const Ray> rays, std::uint32_t ray, std::uint32_t surface,
+                     Workspace& work) const {
+  if (work.status[ray] == Status::invalid) return;
+  const Member& member = members_[surface];
+  std::vector<Task>& tasks = work.tasks[member.intersector];
+  tasks.push_back({ray, static_cast<std::uint32_t>(member.number)});
+  if (tasks.size() == kBlock) run(member.intersector, rays, work);
+}
+
+void Scene::flush(std::span<const Ray> rays, Workspace& work) const {
+  for (std::size_t i = 0; i < intersectors_.size(); ++i) {
+    if (!work.tasks[i].empty()) run(i, rays, work);
+  }
+}
+
+/// Asks one intersector its pending tasks and collects the hits.
+void Scene::run(std::size_t index, std::span<const Ray> rays, Workspace& work) const {
+  std::vector<Task>& tasks = work.tasks[index];
+  Intersector::Workspace& block = work.block;
+  intersectors_[index].intersect(rays, tasks, block);
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    const std::uint32_t ray = tasks[i].ray;
+    work.status[ray] = worse(work.status[ray], block.status[i]);
+    work.counters[ray] += block.counters[i];
+  }
+  for (const LocalHit& hit : block.hits) {
+    const Task task = tasks[hit.ray];
+    if (hit.in_doubt) {  // proved to be a hit of the line, but not where on the ray
+      work.status[task.ray] = worse(work.status[task.ray], Status::uncertain);
+      continue;
+    }
+    const LocalRay& local = block.local[hit.ray];
+    const double l = scale_by_power(local.centre + hit.delta, local.l_exponent);
+    if (!(l > 0 && std::isfinite(l))) continue;
+    work.hits.push_back({l, task.ray, surface_of_[index][task.surface], hit});
+    work.nearest[task.ray] = std::min(work.nearest[task.ray], l);
+  }
+  tasks.clear();
 }
 
 void Scene::write_out(std::span<const Ray> rays, Wanted wanted, Workspace& work, HitBuffer& out) const {
@@ -213,33 +389,39 @@ void Scene::write_out(std::span<const Ray> rays, Wanted wanted, Workspace& work,
       out.point.push_back({std::fma(hit.l, ray.d.x, ray.o.x), std::fma(hit.l, ray.d.y, ray.o.y),
                            std::fma(hit.l, ray.d.z, ray.o.z)});
     }
-    Status status = is_valid(ray) ? Status::ok : Status::invalid;
-    Counters counters;
-    for (const auto& member : work.members) {
-      status = worse(status, member.status[i]);
-      counters += member.counters[i];
-    }
-    out.close_ray(status, counters);
+    out.close_ray(work.status[i], work.counters[i]);
   }
-  if (wanted.normals || wanted.params) describe(wanted, first, work, out);
+  if (wanted.normals || wanted.params) describe(rays, wanted, first, work, out);
 }
 
-void Scene::describe(Wanted wanted, std::size_t first, Workspace& work, HitBuffer& out) const {
+/// Normals and parameters of the hits that are reported: their rays are brought to local frames once more.
+void Scene::describe(std::span<const Ray> rays, Wanted wanted, std::size_t first, Workspace& work,
+                     HitBuffer& out) const {
   if (wanted.normals) out.normal.resize(out.l.size());
   if (wanted.params) out.params.resize(out.l.size());
-  for (std::size_t surface = 0; surface < members_.size(); ++surface) {
-    work.of_surface.clear();
-    for (const SceneHit& hit : work.hits) {
-      if (hit.surface == surface) work.of_surface.push_back(hit.local);
-    }
-    members_[surface].describe(work.of_surface, work.members[surface]);
-    std::size_t next = 0;
+  for (std::size_t index = 0; index < intersectors_.size(); ++index) {
+    std::vector<Task>& tasks = work.tasks[index];
+    const auto finish = [&] {
+      intersectors_[index].describe(rays, tasks, work.described, work.block);
+      for (std::size_t i = 0; i < tasks.size(); ++i) {
+        if (wanted.normals) out.normal[first + work.places[i]] = work.block.points[i].normal;
+        if (wanted.params) out.params[first + work.places[i]] = work.block.points[i].params;
+      }
+      tasks.clear();
+      work.described.clear();
+      work.places.clear();
+    };
     for (std::size_t i = 0; i < work.hits.size(); ++i) {
-      if (work.hits[i].surface != surface) continue;
-      const LocalPoint& point = work.members[surface].points[next++];
-      if (wanted.normals) out.normal[first + i] = point.normal;
-      if (wanted.params) out.params[first + i] = point.params;
+      const SceneHit& hit = work.hits[i];
+      const Member& member = members_[hit.surface];
+      if (member.intersector != index) continue;
+      work.described.push_back(hit.local);
+      work.described.back().ray = static_cast<std::uint32_t>(tasks.size());
+      work.places.push_back(i);
+      tasks.push_back({hit.ray, static_cast<std::uint32_t>(member.number)});
+      if (tasks.size() == kBlock) finish();
     }
+    if (!tasks.empty()) finish();
   }
 }
 

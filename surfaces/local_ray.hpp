@@ -1,6 +1,7 @@
 // A ray in a surface's own frame: object space, unit size, recentred.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -16,16 +17,24 @@ namespace graze {
 /// Recentred (MATHS: far origin): x = p + delta d with delta = l - centre, p = fma(centre, d, o) rounded once
 /// a coordinate; centre is a double near the ray's closest approach to the surface, 0 when o is near anyway.
 struct LocalRay {
-  Vec3 o;                 ///< origin
-  Vec3 d;                 ///< direction, max |d_i| in [1, 2)
-  double centre = 0;      ///< l of p
-  Vec3 p;                 ///< the point of the ray at l = centre
-  int l_exponent = 0;     ///< l of the world = l here * 2^l_exponent
-  double lo = 0, hi = 0;  ///< delta range inside the bounds, outward rounded; lo >= -centre (l >= 0)
+  Vec3 o;                     ///< origin
+  Vec3 d;                     ///< direction, max |d_i| in [1, 2)
+  double centre = 0;          ///< l of p
+  Vec3 p;                     ///< the point of the ray at l = centre
+  int l_exponent = 0;         ///< l of the world = l here * 2^l_exponent
+  std::uint32_t surface = 0;  ///< which surface of its group it is a ray of
+  double lo = 0, hi = 0;      ///< delta range inside the bounds, outward rounded; lo >= -centre (l >= 0)
 
   /// The point at delta, one rounding a coordinate.
   [[nodiscard]] Vec3 at(double delta) const {
     return {std::fma(delta, d.x, p.x), std::fma(delta, d.y, p.y), std::fma(delta, d.z, p.z)};
+  }
+  /// The same in the arithmetic of T: direction and p are rounded to it.
+  template <class T>
+  [[nodiscard]] std::array<T, 3> point_at(T delta) const {
+    return {std::fma(delta, static_cast<T>(d.x), static_cast<T>(p.x)),
+            std::fma(delta, static_cast<T>(d.y), static_cast<T>(p.y)),
+            std::fma(delta, static_cast<T>(d.z), static_cast<T>(p.z))};
   }
   /// Names the ray: equal for rays that differ by a power-of-two scale of the scene or the direction.
   [[nodiscard]] std::uint64_t seed() const {

@@ -2,11 +2,10 @@
 // system F(l, t, theta) = ray(l) - S(t, theta) (document 003).
 //
 // A Profile is a plain struct with the curve (R(t), Y(t)), t in [0, 1], in local units:
-//   ProfilePoint at(double t) const;                       // R, Y and their first derivatives
-//   double t_of_height(double y, double u) const;          // some t with Y(t) near y; u in [0,1) picks one
-//   of several Cylinder bounds() const;                               // encloses the surface, outward
-//   rounded int max_hits() const;                                  // most distinct hits of a ray; 0 = not
-//   known
+//   template <class T> BasicProfilePoint<T> at(T t) const; // R, Y and their first derivatives
+//   double t_of_height(double y, double u) const;          // a t with Y(t) near y; u in [0,1) picks of
+//   several Cylinder bounds() const;                               // encloses the surface, rounded outward
+//   int max_hits() const;                                  // most distinct hits of a ray; 0 = not known
 #pragma once
 
 #include <algorithm>
@@ -19,10 +18,12 @@
 
 namespace graze {
 
-struct ProfilePoint {
-  double r = 0, y = 0;    ///< R(t), Y(t)
-  double dr = 0, dy = 0;  ///< R'(t), Y'(t)
+template <class T>
+struct BasicProfilePoint {
+  T r = 0, y = 0;    ///< R(t), Y(t)
+  T dr = 0, dy = 0;  ///< R'(t), Y'(t)
 };
+using ProfilePoint = BasicProfilePoint<double>;
 
 /// x^2 + z^2 <= radius^2, y_lo <= y <= y_hi.
 struct Cylinder {
@@ -97,7 +98,7 @@ inline bool is_usable(const LocalRay& ray) {
 /// meets it.
 template <class T>
 std::array<T, 3> circle_coefficients(T px, T pz, T dx, T dz, T radius) {
-  return {sqr(px) + sqr(pz) - sqr(radius), 2.0 * (px * dx + pz * dz), sqr(dx) + sqr(dz)};
+  return {sqr(px) + sqr(pz) - sqr(radius), exactly<T>(2) * (px * dx + pz * dz), sqr(dx) + sqr(dz)};
 }
 
 /// The hit at height y of the surface, for a ray that climbs: delta from the height over `from`, a coordinate
@@ -138,6 +139,15 @@ SurfaceSample sample(const Profile& profile, double orientation, int unit, doubl
   return {{length(c.r * radial.x), length(c.y), length(c.r * radial.z)}, normalized(normal)};
 }
 
+/// The box of the bounding cylinder in object space.
+template <class Profile>
+Bounds box(const Profile& profile, int unit) {
+  const Cylinder c = profile.bounds();
+  const auto length = [unit](double x) { return scale_by_power(x, unit); };
+  return box_about({0, length(0.5 * (c.y_lo + c.y_hi)), 0},
+                   {length(c.radius), length(0.5 * (c.y_hi - c.y_lo)), length(c.radius)});
+}
+
 /// Bounds and poles in object space.
 template <class Profile>
 Landmarks landmarks(const Profile& profile, int unit) {
@@ -161,49 +171,61 @@ struct System {
   const Profile* profile;
   LocalRay ray;
 
-  static void eval(const void* self, const Vector& x, Vector& f, Matrix& jacobian) {
+  template <class T>
+  static void eval(const void* self, const BasicVector<T>& x, BasicVector<T>& f, BasicMatrix<T>& jacobian) {
     const auto& system = *static_cast<const System*>(self);
-    const ProfilePoint c = system.profile->at(x[1]);
-    const Vec3 p = system.ray.at(x[0]);
-    const double cosine = std::cos(x[2]);
-    const double sine = std::sin(x[2]);
-    f = {p.x - c.r * cosine, p.y - c.y, p.z - c.r * sine};
+    const BasicProfilePoint<T> c = system.profile->at(x[1]);
+    const auto [px, py, pz] = system.ray.template point_at<T>(x[0]);
+    const T cosine = std::cos(x[2]);
+    const T sine = std::sin(x[2]);
+    f = {px - c.r * cosine, py - c.y, pz - c.r * sine};
     const Vec3& d = system.ray.d;
-    jacobian[0] = {d.x, -c.dr * cosine, c.r * sine};
-    jacobian[1] = {d.y, -c.dy, 0};
-    jacobian[2] = {d.z, -c.dr * sine, -c.r * cosine};
+    jacobian[0] = {static_cast<T>(d.x), -c.dr * cosine, c.r * sine};
+    jacobian[1] = {static_cast<T>(d.y), -c.dy, 0};
+    jacobian[2] = {static_cast<T>(d.z), -c.dr * sine, -c.r * cosine};
   }
 
   /// A random slice of the bounding cylinder: the point where the ray meets it, uniform in height over the
   /// heights at which the ray is inside the cylinder (uniform in l for a horizontal ray, which meets one
   /// slice only); t from that height, theta from that point.
-  static bool start(const void* self, Rng& rng, Vector& x) {
+  template <class T>
+  static bool start(const void* self, Rng& rng, BasicVector<T>& x) {
     const auto& system = *static_cast<const System*>(self);
-    x[0] = rng.uniform(system.ray.lo, system.ray.hi);
-    const Vec3 p = system.ray.at(x[0]);
-    x[1] = system.profile->t_of_height(p.y, rng.uniform());
-    x[2] = std::atan2(p.z, p.x);
+    const double delta = rng.uniform(system.ray.lo, system.ray.hi);
+    const Vec3 p = system.ray.at(delta);
+    x[0] = static_cast<T>(delta);
+    x[1] = static_cast<T>(system.profile->t_of_height(p.y, rng.uniform()));
+    x[2] = static_cast<T>(std::atan2(p.z, p.x));
     return true;
   }
 
   static void pose(const Profile& profile, const LocalRay& ray, EquationBlock& block) {
     if (!is_usable(ray)) return block.settle(Status::failed);
-    const Cylinder bounds = profile.bounds();
-    const auto* self = block.arena().make(System{&profile, ray});
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    SystemEquation equation;
-    equation.self = self;
+    const auto* const self = block.arena().make(System{&profile, ray});
+    if (block.precision() == Precision::binary32) {
+      block.pose(self->template equation<float>());
+    } else {
+      block.pose(self->template equation<double>());
+    }
+  }
+
+  template <class T>
+  [[nodiscard]] BasicSystemEquation<T> equation() const {
+    const Cylinder bounds = profile->bounds();
+    constexpr T kInfinity = std::numeric_limits<T>::infinity();
+    BasicSystemEquation<T> equation;
+    equation.self = this;
     equation.unknowns = 3;
-    equation.eval = &System::eval;
-    equation.start = &System::start;
-    equation.lo = {ray.lo, 0, -kInfinity};
-    equation.hi = {ray.hi, 1, kInfinity};
-    equation.period = {0, 0, 2 * std::numbers::pi};
-    equation.residual_scale =
-        std::max({bounds.radius, std::fabs(bounds.y_lo), std::fabs(bounds.y_hi), max_abs(ray.p)});
-    equation.max_roots = profile.max_hits();
+    equation.eval = &System::template eval<T>;
+    equation.start = &System::template start<T>;
+    equation.lo = {detail::lower_end<T>(ray.lo), 0, -kInfinity};
+    equation.hi = {detail::upper_end<T>(ray.hi), 1, kInfinity};
+    equation.period = {0, 0, 2 * std::numbers::pi_v<T>};
+    equation.residual_scale = static_cast<T>(
+        std::max({bounds.radius, std::fabs(bounds.y_lo), std::fabs(bounds.y_hi), max_abs(ray.p)}));
+    equation.max_roots = profile->max_hits();
     equation.seed = ray.seed();
-    block.pose(equation);
+    return equation;
   }
 };
 

@@ -27,6 +27,18 @@ struct SurfaceSpec {
   std::map<std::string, double> eps;  ///< per-region epsilons, in units of the surface's size
 };
 
+/// A parameter that is a length, an area (power 2), ...
+struct Length {
+  std::string_view name;
+  int power = 1;
+};
+/// The parameters with every entry of the named ones (those that are there) times factor^power.
+Parameters scale_lengths(Parameters parameters, std::span<const Length> lengths, double factor);
+
+/// A parameter that is a point or a vector [x, y, z].
+Vec3 vec3(const Parameters& parameters, const std::string& name);
+Vec3 vec3(const Parameters& parameters, const std::string& name, Vec3 fallback);
+
 /// Throws std::invalid_argument unless the placement is finite and its matrix is invertible.
 /// Decided exactly: a determinant that only rounds to zero passes, an exactly zero one does not.
 void check_placement(const Placement& placement);

@@ -5,7 +5,12 @@
 namespace graze {
 namespace {
 
-constexpr double kU = 0x1p-53;  // unit roundoff
+template <class T>
+constexpr T kUnit = std::numeric_limits<T>::epsilon() / 2;  // unit roundoff
+
+// F'' is infinite at the bottom pole; this least t keeps it a number.
+template <class T>
+constexpr T kLeastT = std::is_same_v<T, double> ? T(0x1p-200) : T(0x1p-30F);
 
 // Kinds of equation that the two sextic formulations pose.
 enum Kind : std::uint32_t { kSextic, kAxis, kCircle };
@@ -25,26 +30,31 @@ constexpr Interval kEquator{0.5485837703548635, 0.5485837703548636};
 /// ascending; R^2 is weighted by `weight`.
 template <class T>
 std::array<T, 7> sextic_coefficients(T m, T weight, T ax, T az, T bx, T bz) {
+  const auto times = [](double k, T x) { return exactly<T>(k) * x; };
   const T r2 = sqr(m) * weight;
   const T aa = sqr(ax) + sqr(az);
   const T ab = ax * bx + az * bz;
   const T bb = sqr(bx) + sqr(bz);
-  return {-bb, T{}, 36.0 * r2 - 2.0 * ab, -36.0 * r2, -27.0 * r2 - aa, 18.0 * r2, 9.0 * r2};
+  return {-bb,           T{},         times(36, r2) - times(2, ab), times(-36, r2), times(-27, r2) - aa,
+          times(18, r2), times(9, r2)};
 }
 
 /// 3 m t^3 + 3 m t^2 - 6 m t + u, the axis case of document 000 (roots where R(t) = u).
 template <class T>
 std::array<T, 4> axis_coefficients(T m, T u) {
-  return {u, -6.0 * m, 3.0 * m, 3.0 * m};
+  const T three_m = exactly<T>(3) * m;
+  return {u, exactly<T>(-6) * m, three_m, three_m};
 }
 
 /// R at the height y of a horizontal ray, from t = sqrt(y / 6m) and the factored profile.
 template <class T>
 T radius_at_height(T m, T y) {
   using std::sqrt;
-  const T t = sqrt(y / (6.0 * m));
-  const T one_minus_t = (6.0 * m - y) / (6.0 * m * (1.0 + t));
-  return 3.0 * m * t * one_minus_t * (2.0 + t);
+  const T one = exactly<T>(1);
+  const T six_m = exactly<T>(6) * m;
+  const T t = sqrt(y / six_m);
+  const T one_minus_t = (six_m - y) / (six_m * (one + t));
+  return exactly<T>(3) * m * t * one_minus_t * (one + one + t);
 }
 
 /// The special cases that both sextics share: true if the ray was one of them. `o` is the point from which l
@@ -138,7 +148,10 @@ struct AlongRay {
     curvature = sqr(point(ray.d.x)) + sqr(point(ray.d.z));
   }
 
-  static Jet eval(const void* self, double delta) { return static_cast<const AlongRay*>(self)->jet(delta); }
+  template <class T>
+  static BasicJet<T> eval(const void* self, T delta) {
+    return static_cast<const AlongRay*>(self)->jet(delta);
+  }
   static Interval value(const void* self, Interval x) { return static_cast<const AlongRay*>(self)->f(x); }
   static Interval derivative(const void* self, Interval x) {
     return static_cast<const AlongRay*>(self)->df(x);
@@ -146,24 +159,27 @@ struct AlongRay {
 
   /// F, F', F''. With t = sqrt(y / 6m): (R^2)' = 3/2 m (1-t)(2+t)(2-2t-3t^2), and
   /// (R^2)'' = -1/4 ((1 + 1/2t)(2-2t-3t^2) + (1-t)(2+t)(3 + 1/t)) in y.
-  [[nodiscard]] Jet jet(double delta) const {
-    const Vec3 p = ray.at(delta);
-    const double y = std::clamp(p.y, 0.0, top);
-    const double t = std::sqrt(y / top);
-    const double below_top = std::max(0.0, (top - y) + top_tail) / top;
-    const double one_minus_t = below_top / (1 + t);
-    const double r = 3 * m * t * one_minus_t * (2 + t);
-    const double turn = 2 - t * (2 + 3 * t);
-    const double distance2 = p.x * p.x + p.z * p.z;
-    const double radial = p.x * ray.d.x + p.z * ray.d.z;
-    Jet jet;
+  template <class T>
+  [[nodiscard]] BasicJet<T> jet(T delta) const {
+    constexpr T kU = kUnit<T>;
+    const auto [px_, py_, pz_] = ray.point_at<T>(delta);
+    const T s = static_cast<T>(m), height = static_cast<T>(top);
+    const T dx = static_cast<T>(ray.d.x), dy = static_cast<T>(ray.d.y), dz = static_cast<T>(ray.d.z);
+    const T y = std::clamp(py_, T{0}, height);
+    const T t = std::sqrt(y / height);
+    const T below_top = std::max(T{0}, (height - y) + static_cast<T>(top_tail)) / height;
+    const T one_minus_t = below_top / (1 + t);
+    const T r = 3 * s * t * one_minus_t * (2 + t);
+    const T turn = 2 - t * (2 + 3 * t);
+    const T distance2 = px_ * px_ + pz_ * pz_;
+    BasicJet<T> jet;
     jet.f = r * r - distance2;
-    jet.df = 1.5 * m * one_minus_t * (2 + t) * turn * ray.d.y - 2 * radial;
-    const double safe_t = std::max(t, 0x1p-200);  // F'' is infinite at the bottom pole; keep it a number
-    const double bend = -0.25 * ((1 + 0.5 / safe_t) * turn + one_minus_t * (2 + t) * (3 + 1 / safe_t));
-    jet.ddf = bend * ray.d.y * ray.d.y - 2 * (ray.d.x * ray.d.x + ray.d.z * ray.d.z);
+    jet.df = T{1.5} * s * one_minus_t * (2 + t) * turn * dy - 2 * (px_ * dx + pz_ * dz);
+    const T safe_t = std::max(t, kLeastT<T>);
+    const T bend = T{-0.25} * ((1 + T{0.5} / safe_t) * turn + one_minus_t * (2 + t) * (3 + 1 / safe_t));
+    jet.ddf = bend * dy * dy - 2 * (dx * dx + dz * dz);
     // y carries u |y|, so t carries 3u t and R at most 16 u m t (R <= 6 m t, |dR/dt| <= 6m; 9 operations).
-    const double r_error = 16 * kU * m * t;
+    const T r_error = 16 * kU * s * t;
     jet.f_error = (2 * r + r_error) * r_error + 8 * kU * distance2;
     return jet;
   }
@@ -209,36 +225,44 @@ struct AlongAxis {
         u_enclosed(sqrt(sqr(point(local.o.x)) + sqr(point(local.o.z)))),
         py(recentred_point<Interval>(local)[1]) {}
 
-  static Jet eval(const void* self, double delta) { return static_cast<const AlongAxis*>(self)->jet(delta); }
+  template <class T>
+  static BasicJet<T> eval(const void* self, T delta) {
+    return static_cast<const AlongAxis*>(self)->jet(delta);
+  }
   static Interval value(const void* self, Interval x) { return static_cast<const AlongAxis*>(self)->f(x); }
   static Interval derivative(const void* self, Interval x) {
     return static_cast<const AlongAxis*>(self)->df(x);
   }
 
-  [[nodiscard]] Jet jet(double delta) const {
-    const double m = profile.m;
-    const double y = ray.at(delta).y;
-    const double v = y / (6 * m);
-    const double below_apex = (6 * m - y) / (6 * m);
-    const double t = std::sqrt(std::max(v, 0.0));
-    const double taper = below_apex / (1 + t) * (2 + t);
-    const double r = 3 * m * t * taper;
-    const double turn = 2 - t * (2 + 3 * t);
-    const double divisor = 4.5 * m * std::max(below_apex, 0.0) + u;
-    constexpr double kDivisorSlope = -0.75;  // by y: -9/2 m / 6m
+  template <class T>
+  [[nodiscard]] BasicJet<T> jet(T delta) const {
+    constexpr T kU = kUnit<T>;
+    const T m = static_cast<T>(profile.m), distance = static_cast<T>(u), dy = static_cast<T>(ray.d.y);
+    const T y = ray.point_at<T>(delta)[1];
+    const T v = y / (6 * m);
+    const T below_apex = (6 * m - y) / (6 * m);
+    const T t = std::sqrt(std::max(v, T{0}));
+    const T taper = below_apex / (1 + t) * (2 + t);
+    const T r = 3 * m * t * taper;
+    const T turn = 2 - t * (2 + 3 * t);
+    const T divisor = T{4.5} * m * std::max(below_apex, T{0}) + distance;
+    constexpr T kDivisorSlope = T{-0.75};  // by y: -9/2 m / 6m
     // At the apex on the axis itself 0/0 has the limit 0, with the divisor's own slope.
-    if (divisor == 0) return {0, kDivisorSlope * ray.d.y, 0, 0};
-    const double squares = v < 0 ? 9 * m * m * v * taper * taper - u * u : (r - u) * (r + u);
-    const double squares_slope = 1.5 * m * taper * turn;
-    const double safe_t = std::max(t, 0x1p-200);
-    const double squares_bend = -0.25 * ((1 + 0.5 / safe_t) * turn + taper * (3 + 1 / safe_t));
-    Jet jet;
+    if (divisor == 0) return {0, kDivisorSlope * dy, 0, 0};
+    const T squares =
+        v < 0 ? 9 * m * m * v * taper * taper - distance * distance : (r - distance) * (r + distance);
+    const T squares_slope = T{1.5} * m * taper * turn;
+    const T safe_t = std::max(t, kLeastT<T>);
+    const T squares_bend = T{-0.25} * ((1 + T{0.5} / safe_t) * turn + taper * (3 + 1 / safe_t));
+    BasicJet<T> jet;
     jet.f = squares / divisor;
-    const double slope = (squares_slope - jet.f * kDivisorSlope) / divisor;
-    jet.df = slope * ray.d.y;
-    jet.ddf = (squares_bend - 2 * slope * kDivisorSlope) / divisor * ray.d.y * ray.d.y;
-    const double r_error = 16 * kU * m * t;
-    jet.f_error = ((2 * r + r_error) * r_error + 4 * kU * u * u + 16 * kU * m * std::fabs(jet.f)) / divisor;
+    const T slope = (squares_slope - jet.f * kDivisorSlope) / divisor;
+    jet.df = slope * dy;
+    jet.ddf = (squares_bend - 2 * slope * kDivisorSlope) / divisor * dy * dy;
+    const T r_error = 16 * kU * m * t;
+    jet.f_error =
+        ((2 * r + r_error) * r_error + 4 * kU * distance * distance + 16 * kU * m * std::fabs(jet.f)) /
+        divisor;
     return jet;
   }
 
@@ -285,7 +309,8 @@ FormulationInfo TeardropSextic::info() {
   return {"sextic",
           "R(t)^2 = |A t^2 + B|^2 in t, divided by q_y, about the ray's own origin",
           "document 000; t in [0,1] closed",
-          {Form::polynomial}};
+          {Form::polynomial},
+          6};
 }
 
 void TeardropSextic::pose(const LocalRay& ray, EquationBlock& block) const {
@@ -297,9 +322,10 @@ void TeardropSextic::pose(const LocalRay& ray, EquationBlock& block) const {
     const T m = exactly<T>(profile.m);
     const T rx = exactly<T>(ray.o.x), ry = exactly<T>(ray.o.y), rz = exactly<T>(ray.o.z);
     const T qx = exactly<T>(ray.d.x), qy = exactly<T>(ray.d.y), qz = exactly<T>(ray.d.z);
-    const T a = 6.0 * m * qx / qy, b = rx - ry * qx / qy;
-    const T c = 6.0 * m * qz / qy, d = rz - ry * qz / qy;
-    return sextic_coefficients<T>(m, exactly<T>(1.0), a, c, b, d);
+    const T six_m = exactly<T>(6) * m;
+    const T a = six_m * qx / qy, b = rx - ry * qx / qy;
+    const T c = six_m * qz / qy, d = rz - ry * qz / qy;
+    return sextic_coefficients<T>(m, exactly<T>(1), a, c, b, d);
   });
 }
 
@@ -314,7 +340,8 @@ FormulationInfo TeardropSexticHomogeneous::info() {
   return {"sextic_homogeneous",
           "q_y^2 R(t)^2 = |q_xz (Y(t) - p_y) + q_y p_xz|^2 in t, recentred",
           "document 000 multiplied by q_y^2; recentred about the closest approach",
-          {Form::polynomial}};
+          {Form::polynomial},
+          6};
 }
 
 void TeardropSexticHomogeneous::pose(const LocalRay& ray, EquationBlock& block) const {
@@ -326,8 +353,8 @@ void TeardropSexticHomogeneous::pose(const LocalRay& ray, EquationBlock& block) 
     const T m = exactly<T>(profile.m);
     const T qx = exactly<T>(ray.d.x), qy = exactly<T>(ray.d.y), qz = exactly<T>(ray.d.z);
     const auto [px, py, pz] = recentred_point<T>(ray);
-    return sextic_coefficients<T>(m, sqr(qy), 6.0 * m * qx, 6.0 * m * qz, qy * px - qx * py,
-                                  qy * pz - qz * py);
+    const T six_m = exactly<T>(6) * m;
+    return sextic_coefficients<T>(m, sqr(qy), six_m * qx, six_m * qz, qy * px - qx * py, qy * pz - qz * py);
   });
 }
 
@@ -364,7 +391,7 @@ void TeardropAlongRay::pose_function(const Function& function, const LocalRay& r
                                      EquationBlock& block) const {
   const Function* const self = block.arena().make(function);
   if (block.form() == Form::scalar) {
-    block.pose(ScalarEquation{self, &Function::eval, ray.lo, ray.hi, profile.max_hits(), ray.seed()});
+    pose_scalar(block, 0, self, ray.lo, ray.hi, profile.max_hits(), ray.seed());
   } else {
     block.pose(IntervalEquation{self, &Function::value, &Function::derivative, ray.lo, ray.hi,
                                 epsilons_along(regions, profile, ray, block.arena())});
@@ -375,7 +402,8 @@ void TeardropAlongRay::lift(const LocalRay& ray, const Posed& /*posed*/, const R
                             std::vector<LocalHit>& hits) const {
   hits.push_back({.multiplicity = root.multiplicity,
                   .delta = root.x,
-                  .t = profile.t_of_height(std::fma(root.x, ray.d.y, ray.p.y), 0)});
+                  .t = profile.t_of_height(std::fma(root.x, ray.d.y, ray.p.y), 0),
+                  .is_root = true});
 }
 
 // -------------------------------------------------------------------------------------------------- system
@@ -402,10 +430,14 @@ SurfaceInfo Teardrop::info() {
   info.source = "document 000";
   info.page = "surfaces/teardrop.md";
   info.parameters = {"s"};
-  info.lengths = {"s"};
   info.params = {"t", "theta"};
   info.regions = {TeardropRegions::kNames.begin(), TeardropRegions::kNames.end()};
   return info;
+}
+
+Parameters Teardrop::scaled(const Parameters& parameters, double factor) {
+  constexpr std::array kLengths{Length{"s"}};
+  return scale_lengths(parameters, kLengths, factor);
 }
 
 Teardrop::Teardrop(const SurfaceSpec& spec) : s_(spec.parameters.number("s")) {

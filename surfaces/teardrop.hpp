@@ -24,8 +24,10 @@ struct TeardropProfile {
       1.8933909283226967;  ///< (14 sqrt 7 - 20)/9 = 1.89339092832269647..., rounded up
   double m = 1;
 
-  [[nodiscard]] ProfilePoint at(double t) const {
-    return {3 * m * t * (1 - t) * (2 + t), 6 * m * t * t, 3 * m * (2 - t * (2 + 3 * t)), 12 * m * t};
+  template <class T>
+  [[nodiscard]] BasicProfilePoint<T> at(T t) const {
+    const T s = static_cast<T>(m);
+    return {3 * s * t * (1 - t) * (2 + t), 6 * s * t * t, 3 * s * (2 - t * (2 + 3 * t)), 12 * s * t};
   }
   [[nodiscard]] double t_of_height(double y, double /*u*/) const {
     return std::sqrt(std::clamp(y / (6 * m), 0.0, 1.0));
@@ -104,9 +106,11 @@ struct Teardrop {
       std::tuple<TeardropAlongRay, TeardropSexticHomogeneous, TeardropSystem, TeardropSextic>;
 
   static SurfaceInfo info();
+  static Parameters scaled(const Parameters& parameters, double factor);
   explicit Teardrop(const SurfaceSpec& spec);
   [[nodiscard]] int unit() const { return unit_; }
   [[nodiscard]] double size() const { return s_; }
+  [[nodiscard]] Bounds bounds() const { return revolution::box(profile, unit_); }
   [[nodiscard]] bool clip(LocalRay& ray) const { return revolution::clip(ray, profile.bounds()); }
   [[nodiscard]] LocalPoint describe(const LocalRay& ray, const LocalHit& hit) const;
   [[nodiscard]] SurfaceSample sample(double u, double v) const {

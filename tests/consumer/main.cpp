@@ -11,8 +11,8 @@ int main() {
   spec.parameters.set("s", 1.0);
 
   graze::Scene scene;
-  scene.add(graze::Intersector(graze::surface_entry<graze::Teardrop>("teardrop"), spec,
-                               graze::solver_entry<graze::Companion>("companion")));
+  scene.add(graze::surface_entry<graze::Teardrop>("teardrop"), spec,
+            graze::solver_entry<graze::Companion>("companion"));
 
   const std::vector<graze::Ray> rays{{.o = {-5, 1.5, 0}, .d = {1, 0, 0}}};
   graze::Scene::Workspace work;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <ostream>
 #include <span>
@@ -32,6 +33,14 @@ inline SurfaceSpec bezier(const Table& points) {
   return spec;
 }
 
+/// A surface by its name and parameters.
+inline SurfaceSpec with_numbers(std::string_view type, std::map<std::string, ParameterValue> values) {
+  SurfaceSpec spec;
+  spec.type = type;
+  spec.parameters = Parameters(std::move(values));
+  return spec;
+}
+
 /// The teardrop's own control points.
 inline Table teardrop_points(double s) { return {{0, 0}, {2 * s, 0}, {3 * s, 2 * s}, {0, 6 * s}}; }
 /// A closed vase with a waist: not convex, up to six hits.
@@ -43,10 +52,124 @@ inline Table degree_seven_points() {
   return {{0, 0}, {1, 0}, {2, 1}, {1, 2}, {2, 3}, {3, 4}, {1, 5}, {0, 6}};
 }
 
+inline SurfaceSpec box(std::vector<double> min, std::vector<double> max) {
+  SurfaceSpec spec;
+  spec.type = "box";
+  spec.parameters.set("min", std::move(min));
+  spec.parameters.set("max", std::move(max));
+  return spec;
+}
+
+/// tetrahedron, triangle, polygon: `vertices`; convex_polyhedron: `halfspaces`.
+inline SurfaceSpec table_spec(const std::string& type, const std::string& parameter, const Table& rows) {
+  SurfaceSpec spec;
+  spec.type = type;
+  spec.parameters.set(parameter, rows);
+  return spec;
+}
+inline SurfaceSpec tetrahedron(const Table& vertices) {
+  return table_spec("tetrahedron", "vertices", vertices);
+}
+inline SurfaceSpec convex_polyhedron(const Table& halfspaces) {
+  return table_spec("convex_polyhedron", "halfspaces", halfspaces);
+}
+/// |x| + |y| + |z| <= 1: four planes through each corner.
+inline Table octahedron() {
+  Table rows;
+  for (const double x : {-1.0, 1.0}) {
+    for (const double y : {-1.0, 1.0}) {
+      for (const double z : {-1.0, 1.0}) rows.push_back({x, y, z, 1});
+    }
+  }
+  return rows;
+}
+
+inline SurfaceSpec torus(double ring, double tube) {
+  SurfaceSpec spec;
+  spec.type = "torus";
+  spec.parameters.set("R", ring);
+  spec.parameters.set("r", tube);
+  return spec;
+}
+
+inline SurfaceSpec implicit_polynomial(const Table& terms) {
+  SurfaceSpec spec;
+  spec.type = "implicit_polynomial";
+  spec.parameters.set("terms", terms);
+  return spec;
+}
+
+/// 4 x^4 - 4 x^3 + y^2 + z^2 = 0: a cusp at the origin.
+inline Table piriform_terms() { return {{4, 4, 0, 0}, {-4, 3, 0, 0}, {1, 0, 2, 0}, {1, 0, 0, 2}}; }
+/// (x^2 + y^2 + z^2 - 1)^2 + 3 x y z - 1/2 = 0: a quartic of several humps, without symmetry of revolution.
+inline Table humps_terms() {
+  return {{1, 4, 0, 0},  {1, 0, 4, 0},  {1, 0, 0, 4},  {2, 2, 2, 0}, {2, 2, 0, 2},  {2, 0, 2, 2},
+          {-2, 2, 0, 0}, {-2, 0, 2, 0}, {-2, 0, 0, 2}, {3, 1, 1, 1}, {0.5, 0, 0, 0}};
+}
+
+inline SurfaceSpec plane(Vec3 a, double b, bool one_sided = false) {
+  SurfaceSpec spec;
+  spec.type = "plane";
+  spec.parameters.set("a", std::vector<double>{a.x, a.y, a.z});
+  spec.parameters.set("b", b);
+  spec.parameters.set("one_sided", one_sided);
+  return spec;
+}
+
+/// A triangle or a polygon.
+inline SurfaceSpec figure(const std::string& type, const Table& vertices) {
+  SurfaceSpec spec;
+  spec.type = type;
+  spec.parameters.set("vertices", vertices);
+  return spec;
+}
+
+inline SurfaceSpec disk(Vec3 center, Vec3 normal, double radius) {
+  SurfaceSpec spec;
+  spec.type = "disk";
+  spec.parameters.set("center", std::vector<double>{center.x, center.y, center.z});
+  spec.parameters.set("normal", std::vector<double>{normal.x, normal.y, normal.z});
+  spec.parameters.set("radius", radius);
+  return spec;
+}
+
+/// A polygon that is not convex, in the plane x + 2y + z = 2.
+inline Table arrow_points() { return {{3, 0, -1}, {0, 1, 0}, {-3, 1, 3}, {1, -1, 3}, {1, 0, 1}}; }
+
 /// Surfaces of each type to run the contract on. A new surface adds its line here.
 inline std::vector<SurfaceSpec> examples(std::string_view type) {
   if (type == "teardrop") return {teardrop(1), teardrop(1.7)};
   if (type == "bezier_revolution") return {bezier(vase_points())};
+  if (type == "box") return {box({-1, 2, 1}, {3, 3, 3}), box({-0.7, 0.1, -1.3}, {0.6, 1.9, 1e-3})};
+  if (type == "tetrahedron") return {tetrahedron({{1, 0, 0}, {-1, 0, -1}, {-1, 0, 1}, {0, 1, 0}})};
+  if (type == "convex_polyhedron") return {convex_polyhedron(octahedron())};
+  if (type == "torus") return {torus(1, 0.25), torus(0.7, 1.1)};
+  if (type == "ellipsoid") {
+    return {with_numbers("ellipsoid", {{"semi_axes", std::vector<double>{1, 2, 0.5}}}),
+            with_numbers("ellipsoid", {{"P", Table{{2, 0.5, 0}, {0.5, 1, 0.25}, {0, 0.25, 3}}},
+                                       {"center", std::vector<double>{1, -2, 0.5}}})};
+  }
+  if (type == "quadric") {
+    return {with_numbers("quadric", {{"A", 1.0}, {"E", 0.25}, {"H", 1.0}, {"J", -1.0}}),  // ellipsoid
+            with_numbers("quadric", {{"A", 1.0}, {"E", -1.0}, {"H", 1.0}, {"J", -1.0}}),  // one sheet
+            with_numbers("quadric", {{"A", 1.0}, {"E", -0.5}, {"H", 1.0}}),               // cone
+            with_numbers("quadric", {{"A", 1.0}, {"B", 0.5}, {"H", 2.0}, {"G", -0.7}, {"J", 0.3}})};
+  }
+  if (type == "sphere") {
+    return {with_numbers("sphere", {{"radius", 1.0}}),
+            with_numbers("sphere", {{"radius", 1.3}, {"center", std::vector<double>{2, -3, 0.7}}})};
+  }
+  if (type == "implicit_polynomial")
+    return {implicit_polynomial(piriform_terms()), implicit_polynomial(humps_terms()),
+            implicit_polynomial({{1, 2, 0, 0}, {1, 0, 2, 0}, {1, 0, 0, 2}, {-1, 0, 0, 0}})};
+  if (type == "plane") return {plane({0.3, -1, 2}, 1.7), plane({0, 3, 0}, 0)};
+  if (type == "triangle")
+    return {figure("triangle", {{0, 0, 0}, {3, 0.5, 1}, {0.5, 2, -1}}),
+            figure("triangle", {{1e3, -2, 0.1}, {1e3, 1.3, 0.2}, {1e3, -0.3, 1.9}})};
+  if (type == "polygon")
+    return {figure("polygon", arrow_points()),
+            figure("polygon", {{0, 0, 1}, {0, 3, 1}, {2, 3, 1}, {2, 0, 1}})};
+  if (type == "disk") return {disk({0, 1, 0}, {0, -2, 0}, 1.5), disk({2, -3, 0.7}, {1, 2, -0.3}, 0.9)};
   throw std::logic_error("tests/surfaces/cells.hpp has no example of surface " + std::string(type));
 }
 
@@ -58,6 +181,7 @@ struct Cell {
   [[nodiscard]] std::string formulation() const {
     return std::string(surface->formulations[pairing.formulation].name);
   }
+  [[nodiscard]] bool in_float() const { return pairing.precision == Precision::binary32; }
   /// Solvers from random starts get few of them here: what is tested does not depend on their number.
   [[nodiscard]] Parameters options(double tries) const {
     Parameters parameters;
@@ -68,11 +192,12 @@ struct Cell {
   }
   [[nodiscard]] Scene scene(const SurfaceSpec& spec, double tries = 5) const {
     Scene result;
-    result.add(Intersector(*surface, spec, *solver, options(tries), formulation()));
+    result.add(*surface, spec, *solver, {options(tries), formulation(), pairing.precision});
     return result;
   }
   [[nodiscard]] std::string name() const {
-    return std::string(surface->name) + "_" + formulation() + "_" + std::string(solver->name);
+    return std::string(surface->name) + "_" + formulation() + "_" + std::string(solver->name) +
+           (in_float() ? "_float" : "");
   }
 };
 
@@ -82,10 +207,19 @@ inline std::vector<Cell> all_cells() {
   std::vector<Cell> cells;
   for (const SurfaceEntry& surface : surface_registry()) {
     for (const SolverEntry& solver : solver_registry()) {
-      for (const Pairing pairing : all_pairings(solver, surface))
-        cells.push_back({&surface, &solver, pairing});
+      for (const Precision precision : {Precision::binary64, Precision::binary32}) {
+        for (const Pairing pairing : all_pairings(solver, surface, precision))
+          cells.push_back({&surface, &solver, pairing});
+      }
     }
   }
+  return cells;
+}
+
+/// The cells in double, for tests of what rounding to float would spoil.
+inline std::vector<Cell> double_cells() {
+  std::vector<Cell> cells = all_cells();
+  std::erase_if(cells, [](const Cell& cell) { return cell.in_float(); });
   return cells;
 }
 

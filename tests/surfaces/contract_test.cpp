@@ -31,17 +31,7 @@ Vec3 times_power(Vec3 v, int k) { return {std::ldexp(v.x, k), std::ldexp(v.y, k)
 
 /// Every length of the surface times 2^k.
 SurfaceSpec scaled(const SurfaceEntry& entry, SurfaceSpec spec, int k) {
-  for (const std::string_view length : entry.info.lengths) {
-    const std::string name(length);
-    ParameterValue value = spec.parameters.values().at(name);
-    if (auto* number = std::get_if<double>(&value)) *number = std::ldexp(*number, k);
-    if (auto* table = std::get_if<Table>(&value)) {
-      for (auto& row : *table) {
-        for (double& entry_value : row) entry_value = std::ldexp(entry_value, k);
-      }
-    }
-    spec.parameters.set(name, value);
-  }
+  spec.parameters = entry.scaled(spec.parameters, std::ldexp(1.0, k));
   return spec;
 }
 
@@ -202,7 +192,8 @@ TEST_P(SurfaceCell, AQuarterTurnAboutTheAxisKeepsTheHits) {
               GetParam().name().c_str(), different, count, worst);
   // Random starts differ between the two, and may find a different number of roots on a few rays.
   EXPECT_LE(different, GetParam().solver->info.claims.deterministic ? 0 : count / 5);
-  EXPECT_LE(worst, 1e-8);
+  // A grazing hit may lose half of a float's 24 bits, and the condition of the basis as much again.
+  EXPECT_LE(worst, GetParam().in_float() ? 0.1 : 1e-8);
 }
 
 INSTANTIATE_TEST_SUITE_P(Cells, SurfaceCell, testing::ValuesIn(all_cells()),
@@ -222,7 +213,7 @@ struct BallQuadratic {
       const auto [x, y, z] = recentred_point<T>(ray);
       const T dx = exactly<T>(ray.d.x), dy = exactly<T>(ray.d.y), dz = exactly<T>(ray.d.z);
       const T r = exactly<T>(radius);
-      return std::array<T, 3>{x * x + y * y + z * z - r * r, 2.0 * (x * dx + y * dy + z * dz),
+      return std::array<T, 3>{x * x + y * y + z * z - r * r, exactly<T>(2) * (x * dx + y * dy + z * dz),
                               dx * dx + dy * dy + dz * dz};
     });
   }
@@ -239,9 +230,12 @@ struct Ball {
     SurfaceInfo info;
     info.summary = "a ball";
     info.parameters = {"radius"};
-    info.lengths = {"radius"};
     info.params = {"a", "b"};
     return info;
+  }
+  static Parameters scaled(const Parameters& parameters, double factor) {
+    constexpr std::array kLengths{Length{"radius"}};
+    return scale_lengths(parameters, kLengths, factor);
   }
   explicit Ball(const SurfaceSpec& spec) : size_(spec.parameters.number("radius")) {
     if (size_ <= 0) throw std::invalid_argument("parameter 'radius' must be positive");
@@ -249,6 +243,7 @@ struct Ball {
   }
   [[nodiscard]] int unit() const { return exponent_of(size_); }
   [[nodiscard]] double size() const { return size_; }
+  [[nodiscard]] Bounds bounds() const { return box_about({}, {size_, size_, size_}); }
   [[nodiscard]] bool clip(LocalRay& ray) const {
     recentre(ray, {}, 4 * radius);
     ray.lo = std::max(-ray.centre, -8 * radius);
@@ -259,7 +254,11 @@ struct Ball {
     return {normalized(ray.at(hit.delta)), {}};
   }
   [[nodiscard]] SurfaceSample sample(double u, double /*v*/) const { return {{size_ * u, 0, 0}, {1, 0, 0}}; }
-  [[nodiscard]] Landmarks landmarks() const { return {{}, {size_, size_, size_}, {}, false}; }
+  [[nodiscard]] Landmarks landmarks() const {
+    Landmarks marks;
+    marks.half = {size_, size_, size_};
+    return marks;
+  }
 
   double radius = 1;
 
@@ -285,7 +284,7 @@ TEST(OpenSurface, ASurfaceDefinedOutsideTheLibraryIsSolvedByEverySolverThatTakes
     if (all_pairings(solver, entry).empty()) continue;
     ++solvers;
     Scene scene;
-    scene.add(Intersector(entry, ball(3), solver));
+    scene.add(entry, ball(3), solver);
     const std::vector<Ray> rays{{{0, 0, -5}, {0, 0, 1}}, {{0, 0, 0}, {2, 0, 0}}, {{0, 4, -5}, {0, 0, 1}}};
     const std::vector<Answer> answers = ask(scene, rays);
     ASSERT_EQ(answers[0].l.size(), 2U) << solver.name;

@@ -12,7 +12,7 @@ Scene along_ray(const SurfaceSpec& spec) {
   for (const SolverEntry& solver : solver_registry()) {
     if (!solver.info.claims.certified) continue;
     Scene scene;
-    scene.add(Intersector(find_surface(spec.type), spec, solver));
+    scene.add(find_surface(spec.type), spec, solver);
     return scene;
   }
   return {};
