@@ -18,6 +18,18 @@ struct Type {
 constexpr std::array kTypes{
     Type{"teardrop", make_teardrop},
     Type{"bezier_revolution", make_bezier_revolution},
+    Type{"plane", make_plane},
+    Type{"triangle", make_triangle},
+    Type{"polygon", make_polygon},
+    Type{"disk", make_disk},
+    Type{"box", make_box},
+    Type{"tetrahedron", make_tetrahedron},
+    Type{"convex_polyhedron", make_convex_polyhedron},
+    Type{"sphere", make_sphere},
+    Type{"ellipsoid", make_ellipsoid},
+    Type{"quadric", make_quadric},
+    Type{"torus", make_torus},
+    Type{"implicit_polynomial", make_implicit_polynomial},
 };
 
 // Numbers of two surfaces that agree to this many digits are called equal.

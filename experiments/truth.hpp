@@ -37,8 +37,13 @@ struct Hit {
   bool tangent = false;            ///< multiplicity >= 2
   Vec3 point;                      ///< correctly rounded to within 1 ulp a coordinate
   Vec3 normal;                     ///< outward, unit, world space; error < 4 ulp of 1
-  std::array<double, 2> params{};  ///< t in [0,1] and theta in (-pi, pi], the surface's own parameters
-  double cosine = 0;               ///< |n . d| / |d| with full relative accuracy (0 exactly for a tangent)
+  /// The surface's own, as its entry in the registry names them: t in [0,1] and theta of a profile, theta and
+  /// phi of sphere and ellipsoid, two angles of the torus, weights of a triangle's second and third vertex, a
+  /// solid's face; angles in [-pi, pi]; 0 where there is none.
+  std::array<double, 2> params{};
+  /// |n . d| / |d| with full relative accuracy; exactly 0 where the ray lies in the tangent plane. A touch of
+  /// an edge, a pole or a singular point has the cosine of the normal that is given.
+  double cosine = 0;
 };
 
 struct Answer {
@@ -52,8 +57,10 @@ class Surface {
  public:
   virtual ~Surface() = default;
   [[nodiscard]] virtual Answer all(const Ray& ray, const Options& options) const = 0;
-  /// Distance of a world point from the surface, for backward errors: computed with 113 bits, good to about
-  /// 1e-30 of the surface's size, not proved. A stretching placement maps the object-space foot point.
+  /// Distance of a world point from the surface in world space, for backward errors; not proved. 113 bits for
+  /// surfaces of revolution, flat figures and solids (about 1e-30 of their size), 237 bits for algebraic
+  /// ones. An upper bound far from an algebraic surface, and where a placement that is no similarity moves
+  /// the nearest point of a profile or of a disk's rim, which are sought in object space.
   [[nodiscard]] virtual double distance(Vec3 point) const = 0;
 };
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <graze/experiments/truth_distance.hpp>
+#include <graze/experiments/truth_frame.hpp>
 #include <graze/experiments/truth_number.hpp>
 #include <graze/experiments/truth_types.hpp>
 #include <limits>
@@ -15,12 +16,6 @@
 namespace graze::truth {
 namespace {
 
-using Vector = std::array<Integer, 3>;
-using Matrix = std::array<Vector, 3>;
-using Intervals = std::array<Interval, 3>;
-
-Integer inner(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 /// p + c.
 Polynomial plus(Polynomial p, const Integer& c) {
   if (p.empty()) p.emplace_back(0);
@@ -28,31 +23,6 @@ Polynomial plus(Polynomial p, const Integer& c) {
   trim(p);
   return p;
 }
-
-/// Doubles brought to integers: x_i = integer_i 2^e with one e.
-class CommonExponent {
- public:
-  void see(double x) {
-    const Dyadic d = exact(x);
-    if (d.m != 0 && (!seen_ || d.e < e_)) e_ = d.e;
-    seen_ = seen_ || d.m != 0;
-  }
-  void see(Vec3 v) {
-    see(v.x);
-    see(v.y);
-    see(v.z);
-  }
-  [[nodiscard]] long e() const { return e_; }
-  [[nodiscard]] Integer operator()(double x) const {
-    const Dyadic d = exact(x);
-    return d.m == 0 ? Integer(0) : shifted(Integer(d.m), d.e - e_);
-  }
-  [[nodiscard]] Vector operator()(Vec3 v) const { return {(*this)(v.x), (*this)(v.y), (*this)(v.z)}; }
-
- private:
-  bool seen_ = false;
-  long e_ = 0;
-};
 
 /// Polynomials of the profile and what is formed of them, in integers times 2^e.
 struct Profile {
@@ -70,47 +40,6 @@ struct Profile {
     return p;
   }
 };
-
-/// Object to world: x = M X + T, as integers. `adjugate` carries the sign of det, so M^-1 = adjugate / det >
-/// 0.
-struct Transform {
-  Vec3 translate;
-  Matrix adjugate;
-  Integer det;
-  long e = 0;  ///< of M
-  bool identity = true;
-};
-
-Transform prepare(const Placement& placement) {
-  Transform t;
-  t.translate = placement.translate;
-  t.identity = placement.matrix == kIdentity;
-  CommonExponent common;
-  for (const Vec3& row : placement.matrix) {
-    if (!is_finite(row)) throw std::invalid_argument("matrix has an entry that is not finite");
-    common.see(row);
-  }
-  if (!is_finite(placement.translate))
-    throw std::invalid_argument("translate has an entry that is not finite");
-  const Matrix m{common(placement.matrix[0]), common(placement.matrix[1]), common(placement.matrix[2])};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vector& a = m[(i + 1) % 3];
-    const Vector& b = m[(i + 2) % 3];
-    for (std::size_t j = 0; j < 3; ++j)
-      t.adjugate[j][i] = a[(j + 1) % 3] * b[(j + 2) % 3] - a[(j + 2) % 3] * b[(j + 1) % 3];
-  }
-  t.e = common.e();
-  t.det = m[0][0] * t.adjugate[0][0] + m[0][1] * t.adjugate[1][0] + m[0][2] * t.adjugate[2][0];
-  if (sign(t.det) == 0) throw std::invalid_argument("matrix is singular");
-  if (sign(t.det) < 0) {
-    t.det = -t.det;
-    for (auto& row : t.adjugate)
-      for (auto& c : row) c = -c;
-  }
-  return t;
-}
-
-Vector apply(const Matrix& m, const Vector& v) { return {inner(m[0], v), inner(m[1], v), inner(m[2], v)}; }
 
 /// One ray and the profile in the same integers: X = O + l' D, l = l' 2^e.
 struct Question {
@@ -149,7 +78,6 @@ class Revolution final : public Surface {
   void set_normal(Hit& hit, const Question& q, Contact& contact) const;
   [[nodiscard]] int pole_sign(const Question& q, Root& root) const;
   [[nodiscard]] Intervals object_normal(const Question& q, Contact& contact, long bits) const;
-  [[nodiscard]] Intervals unit_normal(const Question& q, Contact& contact, long bits) const;
 
   Profile profile_;
   Transform transform_;
@@ -203,40 +131,22 @@ Revolution::Revolution(Profile profile, const Placement& placement)
 }
 
 Question Revolution::ask(const Ray& ray) const {
-  CommonExponent origin;
-  origin.see(ray.o);
-  origin.see(transform_.translate);
-  CommonExponent direction;
-  direction.see(ray.d);
-  const Vector o = origin(ray.o);
-  const Vector t = origin(transform_.translate);
-  const Vector from{o[0] - t[0], o[1] - t[1], o[2] - t[2]};
-  const Vector d = direction(ray.d);
-  const bool moved = sign(from[0]) != 0 || sign(from[1]) != 0 || sign(from[2]) != 0;
-  const long e = moved ? std::min(origin.e(), profile_.e) : profile_.e;
+  ObjectRay object = to_object(transform_, ray);
+  const bool moved = !is_zero(object.o);
+  const long e = moved ? std::min(object.o_e, profile_.e) : profile_.e;
+  if (moved)
+    for (auto& c : object.o) c = shifted(c, object.o_e - e);
   Question q;
   q.ray = &ray;
-  q.o = transform_.identity ? from : apply(transform_.adjugate, from);
-  q.d = transform_.identity ? d : apply(transform_.adjugate, d);
-  if (moved)
-    for (auto& c : q.o) c = shifted(c, origin.e() - e);
+  q.o = std::move(object.o);
+  q.d = std::move(object.d);
   q.profile = profile_.at_exponent(e);
-  q.e = e - direction.e();
+  q.e = e - object.d_e;
   return q;
 }
 
 Answer Revolution::all(const Ray& ray, const Options& options) const {
-  Answer answer;
-  if (!is_finite(ray.o) || !is_finite(ray.d)) {
-    answer.status = Status::invalid;
-    answer.why = "the ray has a coordinate that is not finite";
-    return answer;
-  }
-  if (max_abs(ray.d) == 0) {
-    answer.status = Status::invalid;
-    answer.why = "the ray's direction is zero";
-    return answer;
-  }
+  if (auto refused = refusal(ray)) return *std::move(refused);
   const int digits = std::max(options.digits, 17);
   const Question q = ask(ray);
   const bool climbs = sign(q.d[1]) != 0;
@@ -294,10 +204,6 @@ Number length_at_height(const Question& q, Root& root) {
   return {enclose, equals};
 }
 
-Number rational_length(const Rational& l) {
-  return {[l](long bits) { return Interval::of(l, bits + 2); }, [l](const Rational& q) { return q == l; }};
-}
-
 /// l' = (-B + side sqrt(G(t))) / A for a circle met twice; not zero.
 Number length_on_circle(const Integer& a, const Integer& b, const Polynomial& g, int side, long e,
                         Root& root) {
@@ -317,13 +223,6 @@ Number length_on_circle(const Integer& a, const Integer& b, const Polynomial& g,
     return vanishes_at(root, plus(scaled(g, denominator(squared)), -numerator(squared)));
   };
   return {enclose, equals};
-}
-
-Answer coincident_answer() {
-  Answer answer;
-  answer.status = Status::coincident;
-  answer.why = "the ray runs inside the surface";
-  return answer;
 }
 
 /// Joins contacts at one point: their multiplicities add, the smaller t stays. `same` decides exactly.
@@ -478,20 +377,6 @@ Answer Revolution::finish(const Question& q, std::vector<Contact> contacts, int 
   return answer;
 }
 
-/// o + l d, the nearest double; a zero is decided exactly.
-double coordinate(double o, double d, Number& l) {
-  if (d == 0) return o;
-  const Rational zero = -rational(o) / rational(d);
-  bool asked = false;
-  for (long bits = 128;; bits *= 2) {
-    const Interval x = Interval::of(o, bits) + l.enclosure(bits) * Interval::of(d, bits);
-    // 60 bits: the double is then within 1/64 ulp of nearest.
-    if (x.is_relative(60)) return x.middle();
-    if (!asked && l.equals(zero)) return 0;
-    asked = true;
-  }
-}
-
 Intervals object_point(const Question& q, Number& l, long bits) {
   const Interval scaled_l = times_power_of_two(l.enclosure(bits), -q.e);
   const auto at = [&](std::size_t i) {
@@ -544,45 +429,15 @@ Intervals Revolution::object_normal(const Question& q, Contact& contact, long bi
   return {outward * x[0], -(side * r * at_root(dr)), outward * x[2]};
 }
 
-/// M^-T n, of any length.
-Intervals to_world(const Transform& transform, const Intervals& n, long bits) {
-  if (transform.identity) return n;
-  const auto row = [&](std::size_t i) {
-    const Matrix& m = transform.adjugate;
-    return Interval::of(m[0][i], bits) * n[0] + Interval::of(m[1][i], bits) * n[1] +
-           Interval::of(m[2][i], bits) * n[2];
-  };
-  return {row(0), row(1), row(2)};
-}
-
-Interval squared_length(const Intervals& v) { return square(v[0]) + square(v[1]) + square(v[2]); }
-
-/// The unit normal, each component to 2^-60 at least: less than 1/64 ulp of 1.
-Intervals Revolution::unit_normal(const Question& q, Contact& contact, long bits) const {
-  for (;; bits *= 2) {
-    refine(*contact.root, bits);
-    const Intervals n = to_world(transform_, object_normal(q, contact, bits), bits);
-    const Interval squared = squared_length(n);
-    if (squared.contains_zero()) continue;
-    const Interval length = sqrt(squared);
-    const Intervals unit{n[0] / length, n[1] / length, n[2] / length};
-    if (unit[0].is_absolute(60) && unit[1].is_absolute(60) && unit[2].is_absolute(60)) return unit;
-  }
-}
-
 void Revolution::set_normal(Hit& hit, const Question& q, Contact& contact) const {
   // A cusp's normal may be perpendicular to the ray without proof; 2048 bits are then taken for zero.
   constexpr long kCuspBits = 2048;
-  for (long bits = 128;; bits *= 2) {
-    const Intervals n = unit_normal(q, contact, bits);
-    hit.normal = {n[0].middle(), n[1].middle(), n[2].middle()};
-    if (contact.perpendicular) return;
-    const Vec3 along = q.ray->d;
-    const Intervals d{Interval::of(along.x, bits), Interval::of(along.y, bits), Interval::of(along.z, bits)};
-    const Interval cosine = (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]) / sqrt(squared_length(d));
-    if (cosine.is_relative(60)) hit.cosine = std::fabs(cosine.middle());
-    if (cosine.is_relative(60) || (contact.derivative_order > 1 && bits >= kCuspBits)) return;
-  }
+  const auto normal = [&](long bits) {
+    refine(*contact.root, bits);
+    return to_world(transform_, object_normal(q, contact, bits), bits);
+  };
+  const long most_bits = contact.derivative_order > 1 ? kCuspBits : std::numeric_limits<long>::max();
+  truth::set_normal(hit, q.ray->d, normal, contact.perpendicular, most_bits);
 }
 
 Hit Revolution::hit(const Question& q, Contact& contact, int digits) const {
@@ -590,9 +445,7 @@ Hit Revolution::hit(const Question& q, Contact& contact, int digits) const {
   hit.l = to_real(contact.l, digits);
   hit.multiplicity = contact.multiplicity;
   hit.tangent = contact.multiplicity >= 2;
-  const auto& [o, d] = *q.ray;
-  hit.point = {coordinate(o.x, d.x, contact.l), coordinate(o.y, d.y, contact.l),
-               coordinate(o.z, d.z, contact.l)};
+  hit.point = point_at(*q.ray, contact.l);
   Number t = number_of(*contact.root);
   hit.params[0] = nearest(t, 0, 64);
   hit.params[1] = contact.pole ? 0 : angle(object_point(q, contact.l, 128));

@@ -1,7 +1,6 @@
 // Certified truth against a second engine that shares nothing with it: FLINT's rationals form the equation,
 // FLINT factors it into irreducibles, Arb isolates and refines the roots. A tie is a divisibility of
 // polynomials there.
-#include <arb.h>
 #include <arb_fmpz_poly.h>
 #include <flint/fmpq.h>
 #include <flint/fmpq_poly.h>
@@ -18,137 +17,51 @@
 #include <string>
 #include <vector>
 
+#include "flint_numbers.hpp"
+
 namespace graze {
 namespace {
 
-// Enough bits to call two numbers equal here that agree to all of them: the rays' numbers have far fewer.
-constexpr slong kBits = 3000;
+using flint::Arb;
+using flint::kBits;
+using flint::Q;
+using flint::QPoly;
+using flint::Rows;
+using flint::times;
+using flint::Triple;
+using flint::triple;
 
-class Q {
- public:
-  Q() { fmpq_init(q_); }
-  Q(double x) : Q() {  // NOLINT(google-explicit-constructor): doubles are numbers here
-    int e = 0;
-    const double m = std::ldexp(std::frexp(x, &e), 53);
-    fmpz_set_d(fmpq_numref(q_), m);
-    fmpz_one(fmpq_denref(q_));
-    if (e >= 53) fmpq_mul_2exp(q_, q_, static_cast<ulong>(e - 53));
-    if (e < 53) fmpq_div_2exp(q_, q_, static_cast<ulong>(53 - e));
-  }
-  Q(const Q& other) : Q() { fmpq_set(q_, other.q_); }
-  Q& operator=(const Q& other) {
-    fmpq_set(q_, other.q_);
-    return *this;
-  }
-  ~Q() { fmpq_clear(q_); }
-  [[nodiscard]] const fmpq* get() const { return q_; }
-  [[nodiscard]] int sign() const { return fmpq_sgn(q_); }
-  friend Q operator+(const Q& a, const Q& b) { return with(fmpq_add, a, b); }
-  friend Q operator-(const Q& a, const Q& b) { return with(fmpq_sub, a, b); }
-  friend Q operator*(const Q& a, const Q& b) { return with(fmpq_mul, a, b); }
-  friend Q operator/(const Q& a, const Q& b) { return with(fmpq_div, a, b); }
+/// Coefficients in FLINT's notation, their number first.
+QPoly polynomial(const char* text) {
+  QPoly p;
+  fmpq_poly_set_str(p.get(), text);
+  return p;
+}
 
- private:
-  static Q with(void (*f)(fmpq_t, const fmpq_t, const fmpq_t), const Q& a, const Q& b) {
-    Q r;
-    f(r.q_, a.q_, b.q_);
-    return r;
-  }
-  fmpq_t q_;
-};
+Q value_at(const QPoly& p, const Q& x) {
+  Q r;
+  fmpq_poly_evaluate_fmpq(const_cast<fmpq*>(r.get()), p.get(), x.get());
+  return r;
+}
 
-class QPoly {
- public:
-  QPoly() { fmpq_poly_init(p_); }
-  explicit QPoly(const Q& c) : QPoly() { fmpq_poly_set_fmpq(p_, c.get()); }
-  QPoly(const QPoly& other) : QPoly() { fmpq_poly_set(p_, other.p_); }
-  QPoly& operator=(const QPoly& other) {
-    fmpq_poly_set(p_, other.p_);
-    return *this;
-  }
-  ~QPoly() { fmpq_poly_clear(p_); }
-  static QPoly of(const char* text) {
-    QPoly p;
-    fmpq_poly_set_str(p.p_, text);
-    return p;
-  }
-  [[nodiscard]] const fmpq_poly_struct* get() const { return p_; }
-  [[nodiscard]] bool is_zero() const { return fmpq_poly_is_zero(p_) != 0; }
-  [[nodiscard]] Q at(const Q& x) const {
-    Q r;
-    fmpq_poly_evaluate_fmpq(const_cast<fmpq*>(r.get()), p_, x.get());
-    return r;
-  }
-  [[nodiscard]] QPoly slope() const {
-    QPoly r;
-    fmpq_poly_derivative(r.p_, p_);
-    return r;
-  }
-  [[nodiscard]] QPoly after(const QPoly& inner) const {
-    QPoly r;
-    fmpq_poly_compose(r.p_, p_, inner.p_);
-    return r;
-  }
-  [[nodiscard]] QPoly integral() const {
-    QPoly r;
-    fmpq_poly_integral(r.p_, p_);
-    return r;
-  }
-  friend QPoly operator+(const QPoly& a, const QPoly& b) {
-    QPoly r;
-    fmpq_poly_add(r.p_, a.p_, b.p_);
-    return r;
-  }
-  friend QPoly operator-(const QPoly& a, const QPoly& b) {
-    QPoly r;
-    fmpq_poly_sub(r.p_, a.p_, b.p_);
-    return r;
-  }
-  friend QPoly operator*(const QPoly& a, const QPoly& b) {
-    QPoly r;
-    fmpq_poly_mul(r.p_, a.p_, b.p_);
-    return r;
-  }
-  friend QPoly operator*(const Q& a, const QPoly& b) { return QPoly(a) * b; }
+QPoly slope(const QPoly& p) {
+  QPoly r;
+  fmpq_poly_derivative(r.get(), p.get());
+  return r;
+}
 
- private:
-  fmpq_poly_t p_;
-};
+/// outer(inner(t)).
+QPoly composed(const QPoly& outer, const QPoly& inner) {
+  QPoly r;
+  fmpq_poly_compose(r.get(), outer.get(), inner.get());
+  return r;
+}
 
-class Arb {
- public:
-  Arb() { arb_init(x_); }
-  Arb(const Arb& other) : Arb() { arb_set(x_, other.x_); }
-  Arb& operator=(const Arb& other) {
-    arb_set(x_, other.x_);
-    return *this;
-  }
-  explicit Arb(const Q& q) : Arb() { arb_set_fmpq(x_, q.get(), kBits); }
-  ~Arb() { arb_clear(x_); }
-  [[nodiscard]] arb_ptr get() { return x_; }
-  [[nodiscard]] arb_srcptr get() const { return x_; }
-  [[nodiscard]] int sign() const {
-    return arb_is_positive(x_) != 0 ? 1 : (arb_is_negative(x_) != 0 ? -1 : 0);
-  }
-  [[nodiscard]] double value() const { return arf_get_d(arb_midref(x_), ARF_RND_NEAR); }
-  friend Arb operator+(const Arb& a, const Arb& b) { return with(arb_add, a, b); }
-  friend Arb operator-(const Arb& a, const Arb& b) { return with(arb_sub, a, b); }
-  friend Arb operator*(const Arb& a, const Arb& b) { return with(arb_mul, a, b); }
-  friend Arb operator/(const Arb& a, const Arb& b) { return with(arb_div, a, b); }
-  friend Arb sqrt(const Arb& a) {
-    Arb r;
-    arb_sqrt(r.x_, a.x_, kBits);
-    return r;
-  }
-
- private:
-  static Arb with(void (*f)(arb_t, const arb_t, const arb_t, slong), const Arb& a, const Arb& b) {
-    Arb r;
-    f(r.x_, a.x_, b.x_, kBits);
-    return r;
-  }
-  arb_t x_;
-};
+QPoly integral(const QPoly& p) {
+  QPoly r;
+  fmpq_poly_integral(r.get(), p.get());
+  return r;
+}
 
 /// p(t) by Horner.
 Arb evaluate(const QPoly& p, const Arb& t) {
@@ -169,10 +82,10 @@ struct Algebraic {
 
   [[nodiscard]] bool is_root_of(const QPoly& p) const {
     QPoly rest;
-    fmpq_poly_rem(const_cast<fmpq_poly_struct*>(rest.get()), p.get(), minimal.get());
+    fmpq_poly_rem(rest.get(), p.get(), minimal.get());
     return rest.is_zero();
   }
-  [[nodiscard]] bool is(int end) const { return minimal.at(Q(end)).sign() == 0; }
+  [[nodiscard]] bool is(int end) const { return value_at(minimal, Q(end)).sign() == 0; }
   [[nodiscard]] int sign_of(const QPoly& p) const {
     if (is_root_of(p)) return 0;
     const int s = evaluate(p, t).sign();
@@ -195,7 +108,7 @@ std::vector<Algebraic> unit_roots(const QPoly& p) {
     acb_ptr roots = _acb_vec_init(n);
     arb_fmpz_poly_complex_roots(roots, factors->p + i, 0, kBits);
     Algebraic root;
-    fmpq_poly_set_fmpz_poly(const_cast<fmpq_poly_struct*>(root.minimal.get()), factors->p + i);
+    fmpq_poly_set_fmpz_poly(root.minimal.get(), factors->p + i);
     root.order = static_cast<unsigned>(factors->exp[i]);
     for (slong j = 0; j < n; ++j) {
       if (arb_is_zero(acb_imagref(roots + j)) == 0) continue;
@@ -219,55 +132,18 @@ struct Expected {
   double t;
 };
 
-using Triple = std::array<Q, 3>;
-using Rows = std::array<Triple, 3>;
-
 struct Model {
   SurfaceSpec spec;
   std::vector<std::array<double, 2>> points;
   double unit = 1;  ///< the profile is exactly unit * points
 };
 
-Triple triple(Vec3 v) { return {Q(v.x), Q(v.y), Q(v.z)}; }
-
-/// Gauss-Jordan.
-Rows inverse(const Mat3& m) {
-  Rows a{triple(m[0]), triple(m[1]), triple(m[2])};
-  Rows b{triple({1, 0, 0}), triple({0, 1, 0}), triple({0, 0, 1})};
-  for (std::size_t k = 0; k < 3; ++k) {
-    std::size_t pivot = k;
-    while (a[pivot][k].sign() == 0) ++pivot;
-    std::swap(a[k], a[pivot]);
-    std::swap(b[k], b[pivot]);
-    const Q top = a[k][k];
-    for (std::size_t j = 0; j < 3; ++j) {
-      a[k][j] = a[k][j] / top;
-      b[k][j] = b[k][j] / top;
-    }
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (i == k) continue;
-      const Q f = a[i][k];
-      for (std::size_t j = 0; j < 3; ++j) {
-        a[i][j] = a[i][j] - f * a[k][j];
-        b[i][j] = b[i][j] - f * b[k][j];
-      }
-    }
-  }
-  return b;
-}
-
-Triple times(const Rows& m, const Triple& v) {
-  Triple r;
-  for (std::size_t i = 0; i < 3; ++i) r[i] = m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2];
-  return r;
-}
-
 /// De Casteljau with polynomials for points.
 QPoly bezier(const std::vector<std::array<double, 2>>& points, std::size_t axis) {
   std::vector<QPoly> p;
   for (const auto& point : points) p.emplace_back(Q(point[axis]));
-  const QPoly t = QPoly::of("2  0 1");
-  const QPoly rest = QPoly::of("2  1 -1");
+  const QPoly t = polynomial("2  0 1");
+  const QPoly rest = polynomial("2  1 -1");
   for (std::size_t n = p.size(); n-- > 1;)
     for (std::size_t i = 0; i < n; ++i) p[i] = rest * p[i] + t * p[i + 1];
   return p[0];
@@ -280,9 +156,10 @@ class SecondEngine {
       : r_(Q(model.unit) * bezier(model.points, 0)),
         y_(Q(model.unit) * bezier(model.points, 1)),
         placement_(model.spec.placement) {
-    const Q volume = (r_ * r_ * y_.slope()).integral().at(Q(1));
+    const Q volume = value_at(integral(r_ * r_ * slope(y_)), Q(1));
     orientation_ = volume.sign() < 0 ? -1 : 1;
-    inverse_ = inverse(placement_.matrix);
+    const Mat3& m = placement_.matrix;
+    inverse_ = flint::inverse({triple(m[0]), triple(m[1]), triple(m[2])});
   }
 
   bool solve(const Ray& ray, std::vector<Expected>& hits) const {
@@ -313,7 +190,7 @@ class SecondEngine {
   }
 
   static int beside(const QPoly& e, const Algebraic& root) {
-    const QPoly inward = root.is(0) ? e : e.after(QPoly::of("2  1 -1"));
+    const QPoly inward = root.is(0) ? e : composed(e, polynomial("2  1 -1"));
     Q c;
     for (slong i = 0;; ++i) {
       fmpq_poly_get_coeff_fmpq(const_cast<fmpq*>(c.get()), inward.get(), i);
@@ -349,13 +226,13 @@ class SecondEngine {
   void add(std::vector<Expected>& hits, const Arb& l, unsigned multiplicity, const Algebraic& root,
            const Triple& o, const Triple& d) const {
     Expected hit{l, multiplicity, {}, false, root.t.value()};
-    hit.has_normal = !root.is_root_of(r_) && !(root.is_root_of(r_.slope()) && root.is_root_of(y_.slope()));
+    hit.has_normal = !root.is_root_of(r_) && !(root.is_root_of(slope(r_)) && root.is_root_of(slope(y_)));
     if (hit.has_normal) {
       // In the half plane (|R|, y) it is (Y', -|R|'): times |R|, that is (Y' x, -R R', Y' z).
-      const Arb up = evaluate(y_.slope(), root.t);
+      const Arb up = evaluate(slope(y_), root.t);
       const Arb side{Q(orientation_)};
       const std::array<Arb, 3> n{side * up * (Arb(o[0]) + l * Arb(d[0])),
-                                 Arb(Q(-orientation_)) * evaluate(r_, root.t) * evaluate(r_.slope(), root.t),
+                                 Arb(Q(-orientation_)) * evaluate(r_, root.t) * evaluate(slope(r_), root.t),
                                  side * up * (Arb(o[2]) + l * Arb(d[2]))};
       std::array<Arb, 3> world;
       for (std::size_t i = 0; i < 3; ++i)
@@ -681,8 +558,7 @@ TEST(TruthFlint, RealRootsOfPolynomialsAgreeInNumberAndMultiplicity) {
       QPoly f;
       const unsigned n = 1 + static_cast<unsigned>(random() % 4);
       for (unsigned k = 0; k <= n; ++k)
-        fmpq_poly_set_coeff_si(const_cast<fmpq_poly_struct*>(f.get()), k,
-                               static_cast<slong>(random() % 15) - 7);
+        fmpq_poly_set_coeff_si(f.get(), k, static_cast<slong>(random() % 15) - 7);
       if (f.is_zero()) continue;
       p = p * f;
       if (random() % 3 == 0) p = p * f;
