@@ -1,0 +1,486 @@
+// What box, tetrahedron and convex_polyhedron share: a solid as the intersection of half-spaces n_i.x <= b_i,
+// and where a line is inside all of them.
+//
+// solves    entering planes (n.d < 0) and leaving planes (n.d > 0) are crossed at l_i = (b_i - n_i.o) /
+// (n_i.d);
+//           l_in = the largest entering one, l_out = the smallest leaving one; the line meets the solid if
+//           l_in <= l_out and no parallel plane (n.d = 0) has it outside
+// needs     faces with `template <class T> T top(ray)` = b - n.o and `T bottom(ray)` = n.d (up to one
+// positive
+//           factor for both), for T = double, float, Interval and Expansion, and a Grain that bounds their
+//           bits
+// returns   miss, through, touch (l_in = l_out), coincident (a stretch of the ray lies in a plane and in the
+//           solid), undecided (rounding hides the answer and the numbers leave the range of exact sums)
+// error     `exact_passage`: none; its equations are good to the last bit. `plain_passage`: that of doubles
+// cost      at most one test a plane; ends as soon as l_in > l_out or l_out <= 0. No allocation but in
+//           expansions of more than 32 parts
+// source    Cyrus, Beck, Computers & Graphics 3 (1978) 23-28; documents 001 (slabs) and 004. Changed:
+// decisions
+//           are exact, by intervals and then by expansions
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <graze/surfaces/coefficients.hpp>
+#include <graze/surfaces/exact.hpp>
+#include <graze/surfaces/surface.hpp>
+
+namespace graze::convex {
+
+// ------------------------------------------------------------------------------------- range of exact sums
+
+/// A number is a multiple of 2^low and below 2^high; zero leaves every range as it is.
+struct Bits {
+  int low = std::numeric_limits<int>::max() / 8;
+  int high = std::numeric_limits<int>::min() / 8;
+
+  Bits() = default;
+  Bits(int lowest, int highest) : low(lowest), high(highest) {}
+  explicit Bits(double x) {
+    if (x == 0) return;
+    // A double is its significand times 2^(exponent - 52), and its low zero bits count upwards from there.
+    const int scale = std::max(exponent_of(x), -1022) - 52;
+    const std::uint64_t bits = std::bit_cast<std::uint64_t>(x) & ((std::uint64_t{1} << 52U) - 1);
+    low = scale + (bits == 0 ? 52 : std::countr_zero(bits));
+    high = exponent_of(x) + 1;
+  }
+  explicit Bits(Vec3 v) : Bits(Bits(v.x) | Bits(v.y) | Bits(v.z)) {}
+
+  /// Of a sum's terms.
+  friend Bits operator|(Bits a, Bits b) { return {std::min(a.low, b.low), std::max(a.high, b.high)}; }
+  friend Bits operator*(Bits a, Bits b) { return {a.low + b.low, a.high + b.high}; }
+  /// Sums of up to 2^kSum such numbers are exact: no bit is lost below, and nothing overflows.
+  [[nodiscard]] bool is_exact() const {
+    constexpr int kSum = 20;
+    return low >= -1074 && high + kSum <= 1023;
+  }
+};
+
+/// Bits of every monomial of a solid's n and b.
+struct Grain {
+  Bits normal, offset;
+  [[nodiscard]] Bits bottom(const LocalRay& ray) const { return normal * Bits(ray.d); }
+  [[nodiscard]] Bits top(const LocalRay& ray) const { return offset | normal * Bits(ray.o); }
+};
+
+/// Directions with parts near the smallest numbers, times 2^kLift: moves them into the range of exact sums
+/// and changes no sign and no order of the l.
+struct Lifted {
+  LocalRay ray;
+  int exponent = 0;  ///< l here times 2^exponent is the local frame's
+};
+inline Lifted lifted(const LocalRay& ray) {
+  constexpr int kLow = -400, kLift = 500;
+  if (Bits(ray.d).low >= kLow) return {ray, 0};
+  Lifted result{ray, kLift};
+  const auto lift = [](double x) { return scale_by_power(x, kLift); };
+  result.ray.d = {lift(ray.d.x), lift(ray.d.y), lift(ray.d.z)};
+  return result;
+}
+
+/// The sign of a number within x, where x tells.
+inline std::optional<int> sign_of(const Interval& x) {
+  if (x.lo > 0) return 1;
+  if (x.hi < 0) return -1;
+  if (x == Interval{}) return 0;
+  return std::nullopt;
+}
+
+/// A double with a bound on its error: a first filter, several times quicker than intervals. Every bound
+/// counts twice the unit roundoff, which covers its own roundings, and the smallest number, which covers
+/// underflow.
+struct Ball {
+  double value = 0, error = 0;
+
+  Ball() = default;
+  explicit Ball(double x) : value(x) {}
+  Ball(double x, double e) : value(x), error(e) {}
+
+  friend Ball operator+(Ball a, Ball b) { return rounded(a.value + b.value, a.error + b.error); }
+  friend Ball operator-(Ball a, Ball b) { return rounded(a.value - b.value, a.error + b.error); }
+  friend Ball operator*(Ball a, Ball b) {
+    return rounded(a.value * b.value,
+                   std::fabs(a.value) * b.error + std::fabs(b.value) * a.error + a.error * b.error);
+  }
+  [[nodiscard]] bool is_positive() const { return value > error; }
+  [[nodiscard]] bool is_negative() const { return -value > error; }
+
+ private:
+  static Ball rounded(double value, double error) {
+    return {value, (1 + 0x1p-50) * error + 0x1p-52 * std::fabs(value) +
+                       4 * std::numeric_limits<double>::denorm_min()};
+  }
+};
+
+// ------------------------------------------------------------------------------------------------ decisions
+
+enum class Verdict : std::uint8_t { miss, through, touch, coincident, undecided };
+
+struct Passage {
+  Verdict verdict = Verdict::miss;
+  std::uint32_t in = 0;        ///< the first of the faces that attain l_in
+  std::uint32_t out = 0;       ///< ... and l_out
+  bool starts_inside = false;  ///< l_in <= 0: only l_out is a hit
+  std::uint32_t tests = 0;     ///< planes looked at
+};
+
+/// Cyrus and Beck's clipping with every comparison exact.
+template <class Face>
+class ExactClipping {
+ public:
+  ExactClipping(std::span<const Face> faces, const Grain& grain, const LocalRay& ray)
+      : faces_(faces), grain_(grain), ray_(ray) {}
+
+  Passage run() {
+    Passage passage;
+    for (std::uint32_t i = 0; i < faces_.size() && is_open_; ++i) {
+      ++passage.tests;
+      look_at(i);
+    }
+    passage.verdict = verdict();
+    if (in_) passage.in = in_->face;
+    if (out_) passage.out = out_->face;
+    passage.starts_inside = in_ && in_->sign <= 0;
+    return passage;
+  }
+
+ private:
+  /// l = top / bottom, with the signs of bottom and l.
+  struct Crossing {
+    std::uint32_t face;
+    Interval top, bottom, l;
+    int direction;
+    int sign;
+  };
+
+  /// Whether the plane is surely crossed at an l before l_in (entering) or behind l_out (leaving): the line
+  /// is still inside of it there.
+  [[nodiscard]] bool changes_nothing(const Face& face) const {
+    const Ball bottom = face.template bottom<Ball>(ray_);
+    if (in_ && bottom.is_negative()) return is_inside(face, bottom, in_->l.lo);
+    if (out_ && bottom.is_positive()) return is_inside(face, bottom, out_->l.hi);
+    return false;
+  }
+  [[nodiscard]] bool is_inside(const Face& face, const Ball& bottom, double l) const {
+    return (face.template top<Ball>(ray_) - Ball(l) * bottom).is_positive();
+  }
+
+  void look_at(std::uint32_t i) {
+    const Face& face = faces_[i];
+    if (changes_nothing(face)) return;
+    const Interval top = face.template top<Interval>(ray_);
+    const Interval bottom = face.template bottom<Interval>(ray_);
+    const int direction =
+        sign(bottom, grain_.bottom(ray_), [&] { return face.template bottom<Expansion>(ray_); });
+    const int side = sign(top, grain_.top(ray_), [&] { return face.template top<Expansion>(ray_); });
+    if (!is_open_) return;
+    if (direction == 0) {
+      runs_along_ = runs_along_ || side == 0;
+      is_open_ = side >= 0;
+      return;
+    }
+    const Crossing crossing{i, top, bottom, top / bottom, direction, side * direction};
+    std::optional<Crossing>& end = direction < 0 ? in_ : out_;
+    if (!end || compare(crossing, *end) * direction < 0) end = crossing;
+    if (!is_open_) return;
+    order_ = in_ && out_ ? compare(*in_, *out_) : -1;
+    const bool is_behind = out_ && out_->sign <= 0;
+    if (order_ > 0 || is_behind) is_open_ = false;
+  }
+
+  [[nodiscard]] Verdict verdict() const {
+    if (is_undecided_) return Verdict::undecided;
+    if (!is_open_) return Verdict::miss;
+    if (order_ == 0) return Verdict::touch;
+    return runs_along_ ? Verdict::coincident : Verdict::through;
+  }
+
+  /// Sign of a.l - b.l.
+  int compare(const Crossing& a, const Crossing& b) {
+    if (a.l.hi < b.l.lo) return -1;
+    if (a.l.lo > b.l.hi) return 1;
+    const Bits bits = grain_.top(ray_) * grain_.bottom(ray_);
+    const int cross = sign(a.top * b.bottom - b.top * a.bottom, bits, [&] {
+      return faces_[a.face].template top<Expansion>(ray_) * faces_[b.face].template bottom<Expansion>(ray_) -
+             faces_[b.face].template top<Expansion>(ray_) * faces_[a.face].template bottom<Expansion>(ray_);
+    });
+    return cross * a.direction * b.direction;
+  }
+
+  /// The sign of what `quick` encloses; 0, and undecided, when its bits are beyond exact sums.
+  template <class Exact>
+  int sign(const Interval& quick, const Bits& bits, const Exact& exact) {
+    if (const std::optional<int> told = sign_of(quick)) return *told;
+    if (bits.is_exact()) return exact().sign();
+    is_undecided_ = true;
+    is_open_ = false;
+    return 0;
+  }
+
+  std::span<const Face> faces_;
+  const Grain& grain_;
+  const LocalRay& ray_;
+  std::optional<Crossing> in_, out_;
+  int order_ = -1;  ///< of l_in and l_out
+  bool is_open_ = true;
+  bool is_undecided_ = false;
+  bool runs_along_ = false;
+};
+
+/// The same in the arithmetic of T, as the textbooks have it: a parallel plane is passed by a line in it.
+template <class T, class Face>
+Passage plain_passage(std::span<const Face> faces, const LocalRay& ray) {
+  Passage passage;
+  T in = -std::numeric_limits<T>::infinity();
+  T out = std::numeric_limits<T>::infinity();
+  for (std::uint32_t i = 0; i < faces.size(); ++i) {
+    ++passage.tests;
+    const T top = faces[i].template top<T>(ray);
+    const T bottom = faces[i].template bottom<T>(ray);
+    if (bottom == 0) {
+      if (top < 0) return passage;
+      continue;
+    }
+    const T l = top / bottom;
+    if (bottom < 0 && l > in) {
+      in = l;
+      passage.in = i;
+    } else if (bottom > 0 && l < out) {
+      out = l;
+      passage.out = i;
+    }
+    if (in > out || out <= 0) return passage;
+  }
+  passage.starts_inside = !(in > 0);
+  passage.verdict = in == out ? Verdict::touch : Verdict::through;
+  return passage;
+}
+
+// ------------------------------------------------------------------------------------------------ equations
+
+/// An enclosure of the formula within 1 ulp where its bits allow exact sums; a point where it is a double.
+template <class Formula>
+Interval sharp_enclosure(const Formula& formula, const Bits& bits) {
+  constexpr double kOneUlp = 0x1p-52;
+  const Interval quick = formula(Interval{});
+  if (width(quick) <= kOneUlp * mig(quick) || !bits.is_exact()) return quick;
+  const Expansion exact = formula(Expansion{});
+  const double value = exact.value();
+  if (exact.parts().size() <= 1) return point(value);
+  return {next_below(value), next_above(value)};
+}
+
+/// A posed equation's kind is its face, and whether the ray only touches there.
+inline constexpr std::uint32_t kTouch = std::uint32_t{1} << 31U;
+
+/// Poses an equation for each hit of a passage: pose_face(kind).
+template <class PoseFace>
+void pose_hits(const Passage& passage, EquationBlock& block, const PoseFace& pose_face) {
+  switch (passage.verdict) {
+    case Verdict::miss:
+      return;
+    case Verdict::undecided:
+      return block.settle(Status::uncertain);
+    case Verdict::coincident:
+      return block.settle(Status::coincident);
+    case Verdict::touch:
+      return pose_face(std::min(passage.in, passage.out) | kTouch);
+    case Verdict::through:
+      if (!passage.starts_inside) pose_face(passage.in);
+      return pose_face(passage.out);
+  }
+}
+
+inline LocalHit hit_of(const Posed& posed, const Root& root, double shift) {
+  return {.multiplicity = (posed.kind & kTouch) != 0 ? 2U : root.multiplicity,
+          .delta = root.x - shift,
+          .t = static_cast<double>(posed.kind & ~kTouch),
+          .is_root = shift == 0};
+}
+
+/// The formula's value with a relative error below 2^-52 times that of a double; needs bits.is_exact().
+/// Double-double loses at most 2^-96 of the largest monomial, so that all but badly cancelled values are good
+/// to 2^-56.
+template <class Formula>
+DoubleDouble sharp(const Formula& formula, const Bits& bits) {
+  constexpr int kMostCancelled = 40;
+  const DoubleDouble quick = formula(DoubleDouble{});
+  if (std::fabs(quick.hi) >= scale_by_power(1.0, bits.high - kMostCancelled)) return quick;
+  return formula(Expansion{}).to_double_double();
+}
+
+/// Where a line crosses a face, as delta.
+struct Place {
+  double value;  ///< rounded correctly, or the middle of a wide enclosure
+  Interval enclosure;
+
+  template <class T>
+  [[nodiscard]] T as() const {
+    if constexpr (std::is_same_v<T, Interval>) {
+      return enclosure;
+    } else {
+      return static_cast<T>(value);
+    }
+  }
+};
+/// Encloses delta = l - centre where the line crosses a face: by 1 ulp of delta and 2^-90 of l, or by what
+/// intervals tell where its numbers are beyond exact sums.
+template <class Face>
+Place place_of(const Face& face, const Grain& grain, const Lifted& line) {
+  const LocalRay& ray = line.ray;
+  const Bits bits = grain.top(ray) | grain.bottom(ray);
+  if (!bits.is_exact()) {
+    const Interval l = face.template top<Interval>(ray) / face.template bottom<Interval>(ray);
+    const Interval delta =
+        Interval{scale_by_power(l.lo, line.exponent), scale_by_power(l.hi, line.exponent)} -
+        point(ray.centre);
+    return {mid(delta), delta};
+  }
+  const auto top = [&](auto number) { return face.template top<decltype(number)>(ray); };
+  const auto bottom = [&](auto number) { return face.template bottom<decltype(number)>(ray); };
+  const DoubleDouble l =
+      scaled(sharp(top, grain.top(ray)) / sharp(bottom, grain.bottom(ray)), power_of_two(line.exponent));
+  const DoubleDouble delta = l - ray.centre;
+  return {delta.hi, ball(delta.hi, 0x1p-53 * std::fabs(delta.hi) + 0x1p-90 * std::fabs(l.hi))};
+}
+
+/// Exact decisions, and the linear equation delta - place = 0 for each hit: divided through by n.d beyond
+/// double precision, so that a solver's answer is as good as its last rounding. A test that is counted looks
+/// at `planes_a_test` planes (a slab's two).
+template <class Face>
+void pose_exact(std::span<const Face> faces, const Grain& grain, const LocalRay& ray, EquationBlock& block,
+                std::uint32_t planes_a_test = 1) {
+  const Lifted line = lifted(ray);
+  const Passage passage = ExactClipping<Face>(faces, grain, line.ray).run();
+  block.spend((passage.tests + planes_a_test - 1) / planes_a_test);
+  pose_hits(passage, block, [&](std::uint32_t kind) {
+    const Place place = place_of(faces[kind & ~kTouch], grain, line);
+    // Only numbers beyond the range of exact sums, or an l beyond that of double, leave more than two ulps.
+    const double size = mag(place.enclosure) + std::fabs(ray.centre);
+    if (!(width(place.enclosure) <= 0x1p-50 * size)) return block.settle(Status::uncertain);
+    pose_in_delta(block, kind, ray.lo, ray.hi, ray.seed(), 1, [&](auto number) {
+      using T = decltype(number);
+      return std::array<T, 2>{-place.template as<T>(), exactly<T>(1)};
+    });
+  });
+}
+
+/// Decisions and equations in plain arithmetic; the unknown is l itself.
+template <class Face>
+void pose_plain(std::span<const Face> faces, const LocalRay& ray, EquationBlock& block,
+                std::uint32_t planes_a_test = 1) {
+  const bool wide = block.precision() == Precision::binary64;
+  const Passage passage = wide ? plain_passage<double>(faces, ray) : plain_passage<float>(faces, ray);
+  block.spend((passage.tests + planes_a_test - 1) / planes_a_test);
+  pose_hits(passage, block, [&](std::uint32_t kind) {
+    const Face& face = faces[kind & ~kTouch];
+    pose_in_delta(block, kind, 0, ray.centre + ray.hi, ray.seed(), 1, [&](auto number) {
+      using T = decltype(number);
+      return std::array<T, 2>{-face.template top<T>(ray), face.template bottom<T>(ray)};
+    });
+  });
+}
+
+// ---------------------------------------------------------------------------------------------------- shape
+
+/// Corners, edges and faces of a solid in object space: what bounds, samples and case families need.
+struct Shape {
+  struct Triangle {
+    std::uint32_t face;
+    std::array<std::size_t, 3> corners;
+  };
+  std::vector<Vec3> vertices;
+  std::vector<std::array<std::size_t, 2>> edges;
+  std::vector<Triangle> triangles;  ///< of all faces that have an area
+  std::vector<Vec3> normals;        ///< outward, unit, one a face
+
+  [[nodiscard]] Vec3 least() const {
+    Vec3 lo = vertices[0];
+    for (const Vec3& v : vertices) lo = {std::min(lo.x, v.x), std::min(lo.y, v.y), std::min(lo.z, v.z)};
+    return lo;
+  }
+  [[nodiscard]] Vec3 greatest() const {
+    Vec3 hi = vertices[0];
+    for (const Vec3& v : vertices) hi = {std::max(hi.x, v.x), std::max(hi.y, v.y), std::max(hi.z, v.z)};
+    return hi;
+  }
+  [[nodiscard]] Vec3 centre() const { return 0.5 * least() + 0.5 * greatest(); }
+  [[nodiscard]] Vec3 half() const { return 0.5 * greatest() - 0.5 * least(); }
+  /// Half the longest side of the bounding box; never zero.
+  [[nodiscard]] double size() const {
+    return std::max(max_abs(half()), std::numeric_limits<double>::denorm_min());
+  }
+  [[nodiscard]] Bounds bounds() const { return box_about(centre(), half()); }
+
+  /// u chooses a triangle and a place along it, v the other place.
+  [[nodiscard]] SurfaceSample sample(double u, double v) const {
+    const double scaled = u * static_cast<double>(triangles.size());
+    const std::size_t index = std::min(static_cast<std::size_t>(scaled), triangles.size() - 1);
+    const Triangle& triangle = triangles[index];
+    double s = scaled - static_cast<double>(index), t = v;
+    // The other half of the square folds onto the triangle.
+    if (s + t > 1) {
+      s = 1 - s;
+      t = 1 - t;
+    }
+    const auto& [a, b, c] = triangle.corners;
+    const Vec3 p = vertices[a] + s * (vertices[b] - vertices[a]) + t * (vertices[c] - vertices[a]);
+    return {p, normals[triangle.face]};
+  }
+
+  [[nodiscard]] Landmarks landmarks() const {
+    Landmarks marks;
+    marks.centre = centre();
+    marks.half = half();
+    for (const auto& [a, b] : edges) {
+      marks.edges.push_back({vertices[a], vertices[b]});
+      const Vec3 along = normalized(0.5 * vertices[b] - 0.5 * vertices[a]);
+      const auto is_same = [&](Vec3 other) { return other == along || other == -along; };
+      if (std::none_of(marks.parallels.begin(), marks.parallels.end(), is_same))
+        marks.parallels.push_back(along);
+    }
+    return marks;
+  }
+};
+
+/// The part of a local frame that rays are clipped to: a box about `centre`, in local units.
+struct Reach {
+  Vec3 centre;
+  double radius = 1;  ///< of the box, in its largest coordinate
+
+  /// Recentres rays that start far away, and bounds delta by how far any point of the solid can be from p.
+  void clip(LocalRay& ray) const {
+    constexpr double kNear =
+        8;  // from here on hits are far from l = 0, so that l = centre + delta is faithful
+    recentre(ray, centre, kNear * radius);
+    if (!std::isfinite(ray.centre) || !is_finite(ray.p)) {
+      ray.centre = 0;
+      ray.p = ray.o;
+    }
+    // sqrt 3 < 2 from coordinates to distances, and twice that for roundings of p, which are relative to p.
+    const double reach = 4 * (max_abs(ray.p - centre) + radius) + 0x1p-48 * max_abs(centre);
+    ray.lo = std::max(-ray.centre, -reach);
+    ray.hi = reach;
+  }
+};
+
+inline Reach reach_of(const Shape& shape, int unit) {
+  const Vec3 c = shape.centre();
+  const auto scale = [&](double x) { return scale_by_power(x, -unit); };
+  // Twice the size: rounded corners and a rounded middle stay inside.
+  return {{scale(c.x), scale(c.y), scale(c.z)}, 2 * scale(shape.size())};
+}
+
+inline Vec3 scaled(Vec3 v, int k) {
+  return {scale_by_power(v.x, k), scale_by_power(v.y, k), scale_by_power(v.z, k)};
+}
+
+}  // namespace graze::convex

@@ -1,0 +1,151 @@
+#include <graze/surfaces/plane.hpp>
+
+namespace graze {
+// --------------------------------------------------------------------------------------------------- exact
+
+PlaneExact::PlaneExact(const Plane& surface) : data(surface.data) {}
+
+FormulationInfo PlaneExact::info() {
+  return {"exact",
+          "(a.p - b) + (a.d) delta = 0, recentred at the crossing; exact signs of a.d and a.o - b",
+          "graze (surfaces/plane.md)",
+          {Form::polynomial, Form::scalar, Form::interval},
+          1};
+}
+
+void PlaneExact::pose(const LocalRay& ray, EquationBlock& block) const {
+  if (!planar::is_usable(ray)) return block.settle(Status::failed);
+  planar::Judge judge(data.plane.holds(ray));
+  const planar::Meeting meeting = planar::meet(judge, data.plane, ray);
+  const bool from_behind =
+      data.one_sided && meeting == planar::Meeting::ahead &&
+      judge.sign([&](auto number) { return data.plane.slope<decltype(number)>(ray); }) > 0;
+  if (judge.undecided()) return block.settle(Status::uncertain);
+  if (meeting == planar::Meeting::within && !data.one_sided) return block.settle(Status::coincident);
+  if (meeting != planar::Meeting::ahead || from_behind) return;
+  planar::pose_crossing(block, ray, ray.seed(), data.plane, judge);
+}
+
+void PlaneExact::lift(const LocalRay& /*ray*/, const Posed& posed, const Root& root,
+                      std::vector<LocalHit>& hits) const {
+  planar::lift_exact(posed, root, hits);
+}
+
+// --------------------------------------------------------------------------------------------------- plain
+
+PlanePlain::PlanePlain(const Plane& surface) : data(surface.data) {}
+
+FormulationInfo PlanePlain::info() {
+  return {"plain",
+          "t = (b - a.o) / (a.d)",
+          "documents 001 and 002, sign as in MATHS errata 7",
+          {Form::polynomial, Form::scalar, Form::interval},
+          1};
+}
+
+void PlanePlain::pose(const LocalRay& ray, EquationBlock& block) const {
+  if (data.one_sided && !(data.plane.slope<double>(ray) < 0)) return;
+  planar::pose_plain(block, ray, ray.seed(), [&](auto number) {
+    using T = decltype(number);
+    return std::array<T, 2>{data.plane.height(planar::exactly<T>(ray.o)), data.plane.slope<T>(ray)};
+  });
+}
+
+void PlanePlain::lift(const LocalRay& ray, const Posed& posed, const Root& root,
+                      std::vector<LocalHit>& hits) const {
+  planar::lift_plain(ray, posed, root, hits, [](auto) { return true; });
+}
+
+// --------------------------------------------------------------------------------------------------- plane
+
+SurfaceInfo Plane::info() {
+  SurfaceInfo info;
+  info.summary = "the plane a.x = b, one- or two-sided";
+  info.source = "documents 001 and 002";
+  info.page = "surfaces/plane.md";
+  info.parameters = {"a", "b", "one_sided"};
+  return info;
+}
+
+Parameters Plane::scaled(const Parameters& parameters, double factor) {
+  constexpr std::array kLengths{Length{"b"}};
+  return scale_lengths(parameters, kLengths, factor);
+}
+
+Plane::Plane(const SurfaceSpec& spec) {
+  const Vec3 a = vec3(spec.parameters, "a");
+  const double b = spec.parameters.number("b");
+  if (a == Vec3{}) throw std::invalid_argument("parameter 'a' must not be zero: it is the plane's normal");
+  data.one_sided = spec.parameters.flag("one_sided", false);
+  through_origin_ = b == 0;
+  normal_ = normalized(a);
+
+  // a in [1, 2), b in [1, 2) by powers of two, as far as double reaches.
+  constexpr int kLargestUnit = 1000;
+  const int a_exponent = exponent_of(max_abs(a));
+  if (b != 0) unit_ = std::clamp(exponent_of(b) - a_exponent, -kLargestUnit, kLargestUnit);
+  data.plane.n = {planar::scaled_number(a.x, -a_exponent, data.plane.exact),
+                  planar::scaled_number(a.y, -a_exponent, data.plane.exact),
+                  planar::scaled_number(a.z, -a_exponent, data.plane.exact)};
+  data.plane.b = planar::scaled_number(b, -a_exponent - unit_, data.plane.exact);
+  data.plane.note_bits();
+  const double distance = mid(data.plane.b.near) / norm(planar::scaled(a, -a_exponent));
+  foot_ = planar::scaled(distance * normal_, unit_);
+  if (b != 0) size_ = scale_by_power(std::fabs(distance), unit_);
+}
+
+/// A plane through the origin has no length of its own: the ray's origin is the unit, so that scaling the
+/// scene changes no bit here either.
+void Plane::measure_by_itself(LocalRay& ray) {
+  const double size = max_abs(ray.o);
+  if (size == 0 || !std::isfinite(size)) return;
+  const int k = exponent_of(size);
+  ray.o = ray.p = planar::scaled(ray.o, -k);
+  ray.l_exponent += k;
+}
+
+/// Recentres at the crossing, so that delta is a correction of the last digits: a plane has no middle, and a
+/// grazing ray may meet it anywhere.
+bool Plane::clip(LocalRay& ray) const {
+  if (through_origin_) measure_by_itself(ray);
+  ray.lo = 0;
+  ray.hi = std::numeric_limits<double>::infinity();
+  if (!planar::is_usable(ray)) return true;
+  const planar::Judge judge(data.plane.holds(ray));
+  constexpr double kCoarse = 0x1p-20;
+  const Interval c1 =
+      judge.enclosure([&](auto number) { return data.plane.slope<decltype(number)>(ray); }, kCoarse);
+  const Interval c0 = judge.enclosure(
+      [&](auto number) { return data.plane.height(planar::exactly<decltype(number)>(ray.o)); }, kCoarse);
+  const Interval l = -c0 / c1;
+  if (l.hi < 0 && !contains_zero(c1)) return false;
+  constexpr double kNear = 4;  // sizes: from there on a hit has digits to lose
+  const double middle = mid(l);
+  if (!(l.lo > 0 && middle > kNear && width(l) <= 0x1p-10 * middle)) return true;
+  ray.centre = middle;
+  ray.p = ray.at(middle);
+  ray.lo = -middle;
+  if (planar::is_usable(ray)) return true;
+  ray.centre = ray.lo = 0;
+  ray.p = ray.o;
+  return true;
+}
+
+SurfaceSample Plane::sample(double u, double v) const {
+  const auto [first, second] = planar::tangents(normal_);
+  return {foot_ + (size_ * (2 * u - 1)) * first + (size_ * (2 * v - 1)) * second, normal_};
+}
+
+Landmarks Plane::landmarks() const {
+  const auto [first, second] = planar::tangents(normal_);
+  const auto reach = [&](double a, double b) { return size_ * (std::fabs(a) + std::fabs(b)); };
+  Landmarks marks;
+  marks.centre = foot_;
+  marks.half = {reach(first.x, second.x), reach(first.y, second.y), reach(first.z, second.z)};
+  marks.parallels = {first, second};
+  marks.has_axis = normal_.x == 0 && normal_.z == 0;
+  if (marks.has_axis) marks.poles = {foot_};
+  return marks;
+}
+
+}  // namespace graze

@@ -1,0 +1,60 @@
+// Polynomials along a ray whose coefficients carry hardly any rounding: formed in double-double with error
+// bounds, rounded once, and posed in every form.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <type_traits>
+
+#include <graze/solvers/math/double_double_ball.hpp>
+#include <graze/solvers/math/expansion.hpp>
+#include <graze/surfaces/coefficients.hpp>
+
+namespace graze {
+
+/// The point at l = centre: the product exactly, then one double-double addition a coordinate.
+inline std::array<DoubleDoubleBall, 3> recentred_ball(const LocalRay& ray) {
+  const auto coordinate = [&](double o, double d) {
+    return DoubleDoubleBall(two_prod(ray.centre, d)) + DoubleDoubleBall(o);
+  };
+  return {coordinate(ray.o.x, ray.d.x), coordinate(ray.o.y, ray.d.y), coordinate(ray.o.z, ray.d.z)};
+}
+
+/// An exact number as a ball: zero stays exactly zero.
+inline DoubleDoubleBall nearest_ball(const Expansion& x) {
+  const DoubleDouble value = x.to_double_double();
+  return {value, 0x1p-105 * std::fabs(value.hi)};
+}
+
+/// Poses sum c[i] delta^i = 0 on [lo, hi] in the block's form and arithmetic. `in_float()` gives the
+/// coefficients of binary32, formed in it: at least as many.
+template <class InFloat>
+void pose_balls(EquationBlock& block, std::span<const DoubleDoubleBall> c, double lo, double hi, double scale,
+                std::uint64_t seed, const InFloat& in_float) {
+  const auto rounded = [&](auto number) {
+    using T = decltype(number);
+    const std::span<T> values = block.arena().array<T>(c.size());
+    if constexpr (std::is_same_v<T, float>) {
+      const auto plain = in_float();
+      std::copy_n(plain.begin(), values.size(), values.begin());
+    } else {
+      std::transform(c.begin(), c.end(), values.begin(), [](const auto& x) { return rounded_to<T>(x); });
+    }
+    return values;
+  };
+  if (block.form() != Form::interval)
+    return pose_in_delta(block, 0, lo, hi, seed, static_cast<int>(c.size()) - 1, rounded);
+
+  const std::span<const Interval> enclosures = rounded(Interval{});
+  const auto stored = detail::store_coefficients(block.arena(), enclosures);
+  if (!stored.is_finite() || !std::isfinite(hi)) return block.settle(Status::failed);
+  using Function = detail::PolynomialFunction<double>;
+  const Function* const self = block.arena().make(Function{stored});
+  block.pose(IntervalEquation{self, &Function::value, &Function::derivative, lo, hi,
+                              sharp_epsilons(block.arena(), scale, detail::largest(stored.c))});
+}
+
+}  // namespace graze
