@@ -4,58 +4,18 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <string>
 
 #include <graze/solvers/parameters.hpp>
+
+#include "cases_aim.hpp"
+#include "cases_special.hpp"
 
 namespace graze {
 namespace {
 
-/// 10^uniform(lo, hi).
-double log_uniform(Rng& rng, double lo, double hi) { return std::pow(10.0, rng.uniform(lo, hi)); }
-
-/// Uniform on the unit sphere (Archimedes: height and angle are uniform).
-Vec3 random_direction(Rng& rng) {
-  const double height = rng.uniform(-1, 1);
-  const double angle = rng.uniform(0, 2 * std::numbers::pi);
-  const double radius = std::sqrt(1 - height * height);
-  return {radius * std::cos(angle), height, radius * std::sin(angle)};
-}
-
-double random_sign(Rng& rng) { return rng.uniform() < 0.5 ? -1.0 : 1.0; }
-
-/// Radius of the ball about the bounds.
-double reach(const Landmarks& marks) { return norm(marks.half); }
-
-/// A point of the bounding box, or cylinder for surfaces with an axis.
-Vec3 random_target(const Landmarks& marks, Rng& rng) {
-  const double up = rng.uniform(-1, 1) * marks.half.y;
-  if (!marks.has_axis) {
-    return marks.centre + Vec3{rng.uniform(-1, 1) * marks.half.x, up, rng.uniform(-1, 1) * marks.half.z};
-  }
-  const double radius = marks.half.x * std::sqrt(rng.uniform());
-  const double angle = rng.uniform(0, 2 * std::numbers::pi);
-  return marks.centre + Vec3{radius * std::cos(angle), up, radius * std::sin(angle)};
-}
-
-SurfaceSample random_sample(const AnySurface& surface, Rng& rng) {
-  const double u = rng.uniform();
-  return surface.sample(u, rng.uniform());
-}
-
-/// A random unit vector orthogonal to n.
-Vec3 random_tangent(Vec3 n, Rng& rng) {
-  while (true) {
-    const Vec3 d = random_direction(rng);
-    const Vec3 tangent = d - dot(d, n) * n;
-    if (norm(tangent) > 0.1) return normalized(tangent);
-  }
-}
-
-/// A ray through `target` along `direction` that starts `distance` before it.
-Ray through(Vec3 target, Vec3 direction, double distance) {
-  return {target - distance * direction, direction};
-}
+using aim::log_uniform, aim::random_direction, aim::random_index, aim::random_sample, aim::random_sign,
+    aim::random_tangent, aim::random_target, aim::reach, aim::through;
+using Singular = Landmarks::Singular;
 
 bool any_surface(const Landmarks& /*marks*/) { return true; }
 bool with_axis(const Landmarks& marks) { return marks.has_axis; }
@@ -107,7 +67,7 @@ CaseRay make_horizontal(const AnySurface& surface, Rng& rng) {
 
 CaseRay make_pole(const AnySurface& surface, Rng& rng) {
   const Landmarks marks = surface.landmarks();
-  const auto which = static_cast<std::size_t>(rng.uniform() * static_cast<double>(marks.poles.size()));
+  const std::size_t which = random_index(rng, marks.poles.size());
   const double offset = log_uniform(rng, -16, -1);
   const Vec3 direction = random_direction(rng);
   const Vec3 target = marks.poles[which] + offset * surface.size() * random_tangent(direction, rng);
@@ -122,7 +82,11 @@ CaseRay make_axis(const AnySurface& surface, Rng& rng) {
   const double angle = rng.uniform(0, 2 * std::numbers::pi);
   const double up = random_sign(rng);
   const double height = marks.centre.y - up * rng.uniform(1.5, 4) * reach(marks);
-  return {{{radius * std::cos(angle), height, radius * std::sin(angle)}, {0, up, 0}}, offset};
+  // Beside the axis through the centre; at 0 without an addition, which would lose the sign of a zero.
+  const auto beside = [](double centre, double x) { return centre == 0 ? x : centre + x; };
+  const Vec3 origin{beside(marks.centre.x, radius * std::cos(angle)), height,
+                    beside(marks.centre.z, radius * std::sin(angle))};
+  return {{origin, {0, up, 0}}, offset};
 }
 
 CaseRay make_far(const AnySurface& surface, Rng& rng) {
@@ -138,11 +102,11 @@ CaseRay make_scale(const AnySurface& surface, Rng& rng) {
   return result;
 }
 
-constexpr std::array<CaseFamily, 9> kFamilies{{
+constexpr std::array<CaseFamily, 19> kFamilies{{
     {"camera", "Rays from around the surface at random points of its bounds: about half hit.",
      "distance of the origin / size of the bounds", any_surface, make_camera},
     {"inside", "Rays that start inside, from deep down to 1e-12 of the way below the surface.",
-     "depth below the surface / way to the centre", any_surface, make_inside},
+     "depth below the surface / way to the centre", special::not_flat, make_inside},
     {"graze", "Rays along a tangent, offset from tangency by 1e-16 to 1e-1 of the size to either side.",
      "offset from tangency / L", any_surface, make_graze},
     {"flat", "Nearly horizontal rays, |q_y| from 1e-16 to 1e-2.", "|q_y|", with_axis, make_flat},
@@ -155,6 +119,44 @@ constexpr std::array<CaseFamily, 9> kFamilies{{
     {"far", "Rays from 10 to 1e10 sizes away.", "distance / size of the bounds", any_surface, make_far},
     {"scale", "Camera rays with the whole scene scaled by 1e-12 to 1e12.", "L after scaling", any_surface,
      make_scale},
+    {"on_surface",
+     "Rays that start at a point of the surface moved along its normal by up to 4 ulps or by 1e-16 to 1e-10 "
+     "of the "
+     "size.",
+     "distance of the origin from the point / L", any_surface, special::make_on_surface},
+    {"tangent", "Rays along a tangent through a point of the surface moved along its normal by 0 to 4 ulps.",
+     "offset from tangency in ulps", any_surface, special::make_tangent},
+    {"cluster", "Rays through two neighbouring points of the surface: nearly equal hits.",
+     "distance between the points / L", special::without_faces, special::make_cluster},
+    {"parallel",
+     "Rays along faces, rulings or axes, one in four exactly, the others tilted by 1e-16 to 1e-2, at 0 to "
+     "1e-1 "
+     "of the size from the surface.",
+     "tilt", special::with_parallels, special::make_parallel},
+    {"edge",
+     "Rays that pass an edge or a vertex, one in four through it, the others at 1e-16 to 1e-1 of the size.",
+     "distance from the edge / L", special::with_edges, special::make_edge},
+    {"parabolic",
+     "Rays along directions in which the leading coefficient vanishes, tilted by 0 or by 1e-16 to 1e-2.",
+     "tilt", special::with_asymptotes, special::make_parabolic},
+    {"apex",
+     "Rays that pass the tip of a cone, one in four through it, the others at 1e-16 to 1e-1 of the size.",
+     "distance from the tip / L", special::with_singular<Singular::apex>,
+     special::make_singular<Singular::apex>},
+    {"cusp", "Rays that pass a cusp, one in four through it, the others at 1e-16 to 1e-1 of the size.",
+     "distance from the cusp / L", special::with_singular<Singular::cusp>,
+     special::make_singular<Singular::cusp>},
+    {"crossing",
+     "Rays that pass a point where the surface crosses itself, one in four through it, the others at 1e-16 "
+     "to "
+     "1e-1 of the size.",
+     "distance from the crossing / L", special::with_singular<Singular::crossing>,
+     special::make_singular<Singular::crossing>},
+    {"extreme",
+     "Rays with numbers from 1e-295 to 1e295 and subnormal ones: directions of any length, very far or all "
+     "but "
+     "zero origins, slopes of all but zero.",
+     "largest |log10| of the numbers", any_surface, special::make_extreme},
 }};
 
 std::uint64_t hash_name(std::uint64_t seed, std::string_view name) {

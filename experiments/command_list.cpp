@@ -1,4 +1,6 @@
 // graze list: what this build has.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -17,6 +19,27 @@ std::vector<std::string> form_names(const std::vector<Form>& forms) {
   return names;
 }
 
+/// The arithmetics in which a solver takes at least one form, "double" or "double, float".
+std::vector<std::string_view> precisions_of(const SolverEntry& entry) {
+  std::vector<std::string_view> names;
+  for (const Precision precision : {Precision::binary64, Precision::binary32}) {
+    const auto& forms = entry.info.forms;
+    const bool works =
+        std::any_of(forms.begin(), forms.end(), [&](Form form) { return entry.takes(form, precision); });
+    if (works) names.push_back(to_string(precision));
+  }
+  return names;
+}
+
+/// "any degree" or "degree <= 2"; empty for solvers that take no polynomials.
+std::string degree_limit(const SolverInfo& info) {
+  if (std::find(info.forms.begin(), info.forms.end(), Form::polynomial) == info.forms.end()) return "";
+  return info.max_degree == 0 ? "any degree" : fmt::format("degree <= {}", info.max_degree);
+}
+
+/// 0 stands for "any" and "depends on the surface": JSON says null.
+Json known_degree(int degree) { return degree == 0 ? Json(nullptr) : Json(degree); }
+
 Json solvers_json() {
   Json list = Json::array();
   for (const SolverEntry& entry : solver_registry()) {
@@ -28,6 +51,8 @@ Json solvers_json() {
     list.push_back({{"name", entry.name},
                     {"summary", entry.info.summary},
                     {"forms", form_names(entry.info.forms)},
+                    {"precisions", precisions_of(entry)},
+                    {"max_degree", known_degree(entry.info.max_degree)},
                     {"claims",
                      {{"finds_touching_roots", claims.finds_touching_roots},
                       {"certified", claims.certified},
@@ -47,12 +72,14 @@ Json surfaces_json() {
       formulations.push_back({{"name", formulation.name},
                               {"summary", formulation.summary},
                               {"forms", form_names(formulation.forms)},
+                              {"degree", known_degree(formulation.degree)},
                               {"source", formulation.source}});
     }
     list.push_back({{"name", entry.name},
                     {"summary", entry.info.summary},
                     {"parameters", entry.info.parameters},
                     {"params", entry.info.params},
+                    {"varieties", entry.info.varieties},
                     {"eps_regions", entry.info.regions},
                     {"formulations", formulations},
                     {"source", entry.info.source},
@@ -73,8 +100,10 @@ void print_solvers(fmt::memory_buffer& out) {
   fmt::format_to(std::back_inserter(out), "solvers\n");
   for (const SolverEntry& entry : solver_registry()) {
     const auto& claims = entry.info.claims;
-    fmt::format_to(std::back_inserter(out), "  {:<20} {}\n  {:<20}   forms: {}; {}{}{}\n", entry.name,
-                   entry.info.summary, "", fmt::join(form_names(entry.info.forms), ", "),
+    const std::string degrees = degree_limit(entry.info);
+    fmt::format_to(std::back_inserter(out), "  {:<20} {}\n  {:<20}   forms: {}{}{}; in {}; {}{}{}\n",
+                   entry.name, entry.info.summary, "", fmt::join(form_names(entry.info.forms), ", "),
+                   degrees.empty() ? "" : "; ", degrees, fmt::join(precisions_of(entry), ", "),
                    claims.certified ? "certified" : "not certified",
                    claims.finds_touching_roots ? ", sees touching roots" : ", does not decide touching roots",
                    claims.deterministic ? "" : ", seeded random starts");
@@ -87,16 +116,26 @@ void print_solvers(fmt::memory_buffer& out) {
   }
 }
 
+/// What a surface is, and what it has beside formulations.
+void print_about(const SurfaceEntry& entry, fmt::memory_buffer& out) {
+  const SurfaceInfo& info = entry.info;
+  const std::string regions =
+      info.regions.empty() ? "" : fmt::format("; eps regions: {}", fmt::join(info.regions, ", "));
+  fmt::format_to(std::back_inserter(out), "  {:<20} {}\n  {:<20}   parameters: {}{}; see {}\n", entry.name,
+                 info.summary, "", fmt::join(info.parameters, ", "), regions, info.page);
+  if (info.varieties.empty()) return;
+  fmt::format_to(std::back_inserter(out), "  {:<20}   varieties: {}\n", "", fmt::join(info.varieties, ", "));
+}
+
 void print_surfaces(fmt::memory_buffer& out) {
   fmt::format_to(std::back_inserter(out), "surfaces\n");
   for (const SurfaceEntry& entry : surface_registry()) {
-    fmt::format_to(std::back_inserter(out),
-                   "  {:<20} {}\n  {:<20}   parameters: {}; eps regions: {}; see {}\n", entry.name,
-                   entry.info.summary, "", fmt::join(entry.info.parameters, ", "),
-                   fmt::join(entry.info.regions, ", "), entry.info.page);
+    print_about(entry, out);
     for (const FormulationInfo& formulation : entry.formulations) {
-      fmt::format_to(std::back_inserter(out), "  {:<20}   {} [{}]: {}\n", "", formulation.name,
-                     fmt::join(form_names(formulation.forms), ", "), formulation.summary);
+      const std::string degree =
+          formulation.degree == 0 ? "" : fmt::format(", degree {}", formulation.degree);
+      fmt::format_to(std::back_inserter(out), "  {:<20}   {} [{}{}]: {}\n", "", formulation.name,
+                     fmt::join(form_names(formulation.forms), ", "), degree, formulation.summary);
     }
   }
 }

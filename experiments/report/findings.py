@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from .load import Store, some
+from .load import EXAMPLES, Store, some
 from .statistics import rule_of_three, wilson
 
 # A bin with fewer records says nothing: Wilson's interval of 10 rays is already 0 to 28 % when none is wrong.
@@ -348,10 +348,12 @@ def abstract(store: Store, table: pd.DataFrame) -> str:
     rays = int(table.groupby(["surface", "family"])["rays"].max().sum())
     answers, wrong = int(table["rays"].sum()), int(table["wrong"].sum())
     unsolved, ambiguous = int(table["unsolved"].sum()), int(table["ambiguous_wrong"].sum())
+    surfaces = table["surface"].unique()
+    which = listed(surfaces) if len(surfaces) <= EXAMPLES else count(len(surfaces), "surface")
     text = (
-        f"{count(table['cell'].nunique(), 'cell')} ({count(table['variant'].nunique(), 'solver')}, "
+        f"{count(table['cell'].nunique(), 'cell')} ({count(len(table[['solver', 'options']].drop_duplicates()), 'solver')}, "
         f"{count(table['formulation'].nunique(), 'formulation')}) answered {count(rays, 'ray')} of "
-        f"{count(table['family'].nunique(), 'family', 'families')} on {listed(table['surface'].unique())}; "
+        f"{count(table['family'].nunique(), 'family', 'families')} on {which}; "
         f"certified truth judged every answer. Of {count(answers, 'answer')}, {percent(wrong / answers)} were wrong "
         f"({percent(ambiguous / wrong) if wrong else 'none'} of these excusable, because a one-ulp change of the ray "
         f"flips the true verdict) and {percent((unsolved - wrong) / answers)} were given up as uncertain or failed."

@@ -98,13 +98,12 @@ def choose_build(builds: pd.DataFrame, tallied: set[int], file: Path) -> dict[st
 
 
 def cell_labels(cells: pd.DataFrame) -> pd.DataFrame:
-    """Adds `variant` (solver and options), `label` (within its surface) and drops nothing."""
+    """Adds `variant` (solver, options, and the arithmetic unless it is double) and `label` (within its surface)."""
     cells = cells.copy()
     shown = cells["options"].map(lambda text: f"[{text}]" if text else "")
-    cells["variant"] = cells["solver"] + shown
-    several = cells["precision"].nunique() > 1
-    precision = " · " + cells["precision"] if several else ""
-    cells["label"] = cells["variant"] + " · " + cells["formulation"] + precision
+    precision = cells["precision"].map(lambda text: "" if text == "double" else f" ({text})")
+    cells["variant"] = cells["solver"] + shown + precision
+    cells["label"] = cells["variant"] + " · " + cells["formulation"]
     return cells
 
 

@@ -49,6 +49,7 @@ class Tables:
     distributions: pd.DataFrame
     worst: pd.DataFrame
     best: pd.DataFrame
+    formulations: pd.DataFrame
     sentences: list[findings.Finding]
 
 
@@ -83,7 +84,8 @@ def gather(store: Store) -> Tables:
     curves, remarks = tables.stability(store)
     best = findings.best_by_family(results)
     sentences = [] if results.empty else findings.findings(store, results, curves)
-    return Tables(results, curves, remarks, tables.distributions(store), tables.worst_rays(store), best, sentences)
+    lost = tables.formulations(results)
+    return Tables(results, curves, remarks, tables.distributions(store), tables.worst_rays(store), best, lost, sentences)
 
 
 def named(data: Tables, table: pd.DataFrame) -> pd.DataFrame:
@@ -105,6 +107,7 @@ def write_csv(store: Store, data: Tables, folder: Path) -> None:
     pieces = {
         "error_time": data.results[identity + wrong + quantiles + timing],
         "verdicts": data.results[identity + ["right", "ambiguous_wrong"] + counted + bounds],
+        "formulations": data.formulations,
         "heat_map": data.results.astype({"wrong_share": float}).pivot_table(
             index=["surface", "label"], columns="family_name", values="wrong_share", sort=False
         ).reset_index(),
@@ -246,6 +249,21 @@ def heat_maps(data: Tables) -> list[dict[str, object]]:
     return maps
 
 
+def formulation_tables(data: Tables) -> list[dict[str, object]]:
+    """One table a surface: a column a formulation and solver, in the surface's order, and a line a family."""
+    made = []
+    for surface, rows in data.formulations.groupby("surface", sort=False):
+        columns = rows.drop_duplicates(["place", "variant"]).sort_values("place", kind="stable")
+        keys = list(zip(columns["place"], columns["variant"]))
+        lines = []
+        for family, part in rows.groupby("family_name", sort=False):
+            by_key = {(row.place, row.variant): row for row in part.itertuples()}
+            lines.append((family, int(part["rays"].max()), [by_key.get(key) for key in keys]))
+        spans = [(name, len(group)) for name, group in columns.groupby("formulation", sort=False)]
+        made.append({"surface": surface, "spans": spans, "columns": list(columns.itertuples()), "lines": lines})
+    return made
+
+
 def environment() -> Environment:
     """Jinja with everything escaped, and the formats that the template uses."""
     jinja = Environment(
@@ -285,6 +303,7 @@ def render(store: Store, data: Tables, drawn: dict[str, list[str]], library: str
         best=list(data.best.itertuples()),
         rows=list(data.results.itertuples()),
         heat_maps=heat_maps(data),
+        formulation_tables=formulation_tables(data),
         surfaces=list(data.results["surface"].unique()),
         families=store.families[store.families["id"].isin(data.results["family"])].to_dict("records"),
         variants=sorted(data.results["variant"].unique()),

@@ -47,16 +47,21 @@ class Look:
 
 
 def looks(cells: pd.DataFrame) -> dict[int, Look]:
-    """The look of every cell: colour by solver, shape by solver and options, fill and dash by formulation."""
+    """The look of every cell: colour by solver, shape by variant, fill and dash by formulation of its surface."""
     solvers = sorted(cells["solver"].unique())
     variants = sorted(cells["variant"].unique())
-    formulations = sorted(cells["formulation"].unique())
+    formulations = {surface: sorted(own.unique()) for surface, own in cells.groupby("surface")["formulation"]}
     return {
         cell.id: Look(
             colour=COLOURS[solvers.index(cell.solver) % len(COLOURS)],
             shape=variants.index(cell.variant) % len(SHAPES),
-            fill=FILLS[formulations.index(cell.formulation) % len(FILLS)],
-            dash=DASHES[formulations.index(cell.formulation) % len(DASHES)],
+            **pattern(formulations[cell.surface].index(cell.formulation)),
         )
         for cell in cells.itertuples()
     }
+
+
+def pattern(place: int) -> dict[str, object]:
+    """Fill and dash number `place`: after every fill was used once, they meet the dashes in another order."""
+    turn = place // len(FILLS)
+    return {"fill": FILLS[place % len(FILLS)], "dash": DASHES[(place + turn) % len(DASHES)]}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from graphlib import CycleError, TopologicalSorter
 
 import pandas as pd
 
@@ -22,7 +23,8 @@ from .statistics import (
 
 METRICS = ("condition_units", "ulps", "backward", "normal_error")
 QUANTILES = {"p50": 0.5, "p99": 0.99, "worst": 1.0}
-LENGTHS_ONLY = ("teardrop", "bezier_revolution", "sphere", "torus")  # types whose parameters are lengths, every one
+# Types whose parameters are lengths, every one.
+LENGTHS_ONLY = ("teardrop", "bezier_revolution", "sphere", "torus", "box", "triangle", "polygon", "tetrahedron")
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d[\d.]*(?:[eE][-+]?\d+)?")
 TRUTH_DIGITS = 20  # characters of a true l in the table: beyond double's 17 digits, short enough to read
 SHARES = ("wrong", "inexcusable", "missed", "spurious", "wrong_first", "uncertain", "failed", "unsolved")
@@ -97,6 +99,42 @@ def results(store: Store) -> pd.DataFrame:
     pair = ["cell", "family"]
     table = names(store).merge(verdicts(store), on=pair)
     return table.merge(errors(store), on=pair, how="left").merge(times(store), on=pair, how="left")
+
+
+def formulation_order(rows: pd.DataFrame) -> list[str]:
+    """The formulations of one surface in the surface's own order, the preferred one first.
+
+    The store lists the cells of a solver in that order: the order of all of them is a merge of these chains.
+    """
+    after: dict[str, list[str]] = {name: [] for name in rows.sort_values("cell")["formulation"].unique()}
+    for _, chain in rows.sort_values("cell").groupby(["variant"], sort=False)["formulation"]:
+        names_ = list(chain.unique())
+        for earlier, later in zip(names_, names_[1:]):
+            after[later].append(earlier)
+    try:
+        return list(TopologicalSorter(after).static_order())
+    except CycleError:  # cells that were added by a later run of another build may stand in any order
+        return list(after)
+
+
+def formulations(table: pd.DataFrame) -> pd.DataFrame:
+    """What each formulation costs in right answers: one row a (surface, family, formulation, solver).
+
+    `place` counts a surface's formulations in its own order from 1. A wrong answer on a ray whose true verdict a
+    one-ulp change flips is `wrong_ambiguous`, any other `wrong_unambiguous`.
+    """
+    columns = [
+        "surface", "family_name", "place", "of", "formulation", "solver", "options", "precision", "variant", "rays",
+        "right", "wrong_unambiguous", "wrong_ambiguous", "uncertain", "failed",
+    ]  # fmt: skip
+    parts = []
+    for _, rows in table.groupby("surface", sort=False):
+        order = formulation_order(rows)
+        place = rows["formulation"].map(lambda name, order=order: order.index(name) + 1)
+        parts.append(rows.assign(place=place, of=len(order)))
+    whole = pd.concat(parts) if parts else table.assign(place=0, of=0)
+    whole = whole.rename(columns={"inexcusable": "wrong_unambiguous", "ambiguous_wrong": "wrong_ambiguous"})
+    return whole.sort_values(["surface_id", "family", "place", "cell"], ignore_index=True)[columns]
 
 
 def record_weights(store: Store) -> tuple[dict[tuple[int, int, str], float], set[tuple[int, int]]]:

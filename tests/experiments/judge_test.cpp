@@ -70,6 +70,24 @@ TEST(Judge, AMissedSecondHitIsWrongButTheFirstIsNot) {
   EXPECT_FALSE(judgement.wrong_first);
 }
 
+TEST(Judge, OneHitOfMultiplicityTwoAnswersTwoThatDoublesCannotPart) {
+  SurfaceSpec box;
+  box.type = "box";
+  box.parameters.set("min", std::vector<double>{0, 0, 0});
+  box.parameters.set("max", std::vector<double>{1, 1, 1});
+  // In through x = 0 at l = 8, out through y = 1 at 8 + 2^-50, which rounds to 8.
+  const Ray ray{{-8, -7 - 0x1p-50, 0.5}, {1, 1, 0}};
+  const truth::Answer truth = truth::make_surface(box)->all(ray, {});
+  ASSERT_EQ(truth.hits.size(), 2U);
+  ASSERT_EQ(truth.hits[1].l.head, 8);
+  const auto verdict = [&](double l, std::uint32_t multiplicity) {
+    return graze::judge(ray, truth, {Status::ok, {&l, 1}, {}, {}, {&multiplicity, 1}}, {}, nullptr).verdict;
+  };
+  EXPECT_EQ(verdict(8, 2), Verdict::right);
+  EXPECT_EQ(verdict(8, 1), Verdict::wrong);
+  EXPECT_EQ(verdict(8 + 0x1p-40, 2), Verdict::wrong) << "doubles could tell that one from the others";
+}
+
 TEST(Judge, ASpuriousHitInFrontIsWrongFirst) {
   const Judgement judgement = Question(kCrossing).judge({1, 3.125, 6.875});
   EXPECT_EQ(judgement.verdict, Verdict::wrong);

@@ -346,7 +346,7 @@ class WholeRun(unittest.TestCase):
         self.assertTrue(any("inf" in row for row in data["rows"]))
 
     def test_every_figure_names_the_commands_that_make_it(self) -> None:
-        self.assertEqual(self.html.count('<p class="reproduce">'), 9)
+        self.assertEqual(self.html.count('<p class="reproduce">'), 10)
         self.assertTrue("graze sweep experiments/configs/teardrop.toml --out out/teardrop" in self.html)
         self.assertTrue(f"graze report {self.folder}" in self.html)
 
@@ -518,6 +518,86 @@ class CommandLine(Folder):
         done = self.run_script(str(folder), "--out", str(self.folder / "elsewhere"))
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertEqual(done.stdout.strip(), str(self.folder / "elsewhere" / "index.html"))
+
+
+PLANE = "plane:a=[0,1,0],b=0"
+# Formulation, form, solver, precision, certified and (wrong, of these ambiguous, uncertain, failed) of 20 rays.
+PLANE_CELLS = (
+    ("exact", "polynomial", "closed_form", "double", 0, (0, 0, 0, 0)),
+    ("plain", "polynomial", "closed_form", "double", 0, (5, 2, 0, 1)),
+    ("exact", "polynomial", "closed_form", "float", 0, (9, 4, 0, 0)),
+    ("exact", "polynomial", "interval_bisection", "double", 1, (0, 0, 3, 0)),
+)
+
+
+def add_plane(builder: Builder) -> None:
+    """A second surface with other formulations, a float cell, one family, and conditions that are infinite or absent."""
+    db = builder.db
+    db.execute("INSERT INTO surface VALUES(2,?,'plane',1.0)", (PLANE,))
+    db.execute("INSERT INTO surface VALUES(3,'quadric:J=1','quadric',1.0)")  # no family suits it
+    for i in range(20):
+        numbers = [float(i).hex()] * 6
+        condition = (None, math.inf, 3.5)[i % 3]
+        row = (90 * 10**6 + i, 2, 1, i, None, 1.0, *numbers, "ok", int(condition is not None), "[]", condition, i % 2)
+        db.execute(f"INSERT INTO ray VALUES({','.join('?' * 17)})", row)
+    for id_, (formulation, form, solver, precision, certified, counts) in enumerate(PLANE_CELLS, len(CELLS) + 1):
+        db.execute("INSERT INTO cell VALUES(?,2,?,?,?,'',?,?)", (id_, formulation, form, solver, precision, certified))
+        wrong, ambiguous, uncertain, failed = counts
+        verdicts = ["wrong"] * wrong + ["uncertain"] * uncertain + ["failed"] * failed
+        for i, verdict in enumerate(verdicts + ["right"] * (20 - len(verdicts))):
+            units = None if i % 3 == 0 else math.inf if verdict == "wrong" else 0.5
+            row = (1, id_, 90 * 10**6 + i, verdict, "ok", "", int(verdict == "wrong"), 0, 0, units, units, None, None, 1, 0, 0)
+            db.execute(f"INSERT INTO record VALUES({','.join('?' * 17)})", (*row, "all"))
+        row = (1, id_, 1, 0, 20, 20 - len(verdicts), wrong, uncertain, failed, wrong, 0, 0, ambiguous, 20, 0, 0)
+        db.execute(f"INSERT INTO tally VALUES({','.join('?' * 16)})", row)
+
+
+class SeveralSurfaces(Folder):
+    """Surfaces of different kinds in one run: their own formulations, families, precisions, or no family at all."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        builder = Builder(self.folder, rays=20)
+        builder.build()
+        builder.describe()
+        builder.add_rays()
+        builder.answer()
+        add_plane(builder)
+        builder.close()
+        self.store = load.read_store(self.folder)
+
+    def test_float_is_part_of_the_cells_name_and_double_is_not(self) -> None:
+        labels = list(self.store.cells["label"])
+        self.assertEqual(labels[0], "companion · sextic")
+        self.assertEqual(labels[-2:], ["closed_form (float) · exact", "interval_bisection · exact"])
+
+    def test_formulations_come_in_the_surfaces_order_with_their_losses_apart(self) -> None:
+        table = tables.formulations(tables.results(self.store))
+        plane = table[table["surface"] == PLANE]
+        self.assertEqual(list(plane["formulation"]), ["exact", "exact", "exact", "plain"])
+        self.assertEqual(list(plane["place"]), [1, 1, 1, 2])
+        counts = plane[["wrong_unambiguous", "wrong_ambiguous", "uncertain", "failed"]].to_numpy().tolist()
+        self.assertEqual(counts, [[0, 0, 0, 0], [5, 4, 0, 0], [0, 0, 3, 0], [3, 2, 0, 1]])
+
+    def test_orders_of_solvers_that_contradict_each_other_still_give_every_formulation_once(self) -> None:
+        rows = [("a", "x", 1), ("a", "y", 2), ("b", "y", 3), ("b", "x", 4), ("b", "z", 5)]
+        frame = tables.pd.DataFrame(rows, columns=["variant", "formulation", "cell"])
+        self.assertEqual(tables.formulation_order(frame), ["x", "y", "z"])
+        self.assertEqual(tables.formulation_order(frame[frame["cell"] != 4]), ["x", "y", "z"])
+
+    def test_the_report_is_made_and_its_page_is_whole(self) -> None:
+        html = page.write_report(self.store, self.folder / "report").read_text(encoding="utf-8")
+        self.assertIn("closed_form (float)", html)
+        for word in ("3 <small>2&nbsp;amb</small> <small>1&nbsp;failed</small>", "0 <small>3&nbsp;unc</small>"):
+            self.assertIn(word, html)
+        self.assertTrue((self.folder / "report" / "figures" / "heat_map_plane_a_0_1_0_b_0.svg").is_file())
+        csv = (self.folder / "report" / "csv" / "formulations.csv").read_text(encoding="utf-8")
+        self.assertIn("plain,closed_form,,double,closed_form,20,14,3,2,0,1", csv)
+
+    def test_formulations_of_one_surface_do_not_look_alike(self) -> None:
+        style = importlib.import_module("report.style")
+        patterns = [tuple(style.pattern(place).values()) for place in range(16)]
+        self.assertEqual(len(set(patterns)), 16)
 
 
 if __name__ == "__main__":

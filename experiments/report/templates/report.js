@@ -375,9 +375,24 @@
     const cell = data.cells.find((c) => c.variant === slot.dataset.variantKey);
     slot.innerHTML = svg(16, keyMarker(cell.shape, "full", cell.colour, 8));
   }
-  for (const slot of document.querySelectorAll("[data-formulation-key]")) {
-    const cell = data.cells.find((c) => c.formulation === slot.dataset.formulationKey);
-    slot.innerHTML = svg(42, `<path d="M0 8H42" stroke="currentColor" stroke-width="1.4" stroke-dasharray="${cell.dash.join(" ")}"/>${keyMarker(0, cell.fill, "currentColor", 21)}`);
+  // Formulations look as on the surface that is shown; what it does not have is no choice.
+  function drawKeys(now) {
+    const own = data.cells.filter((c) => !now.surface || now.surface.has(c.surface));
+    const asked = new Set(own.map((c) => c.id));
+    const has = {
+      variant: new Set(own.map((c) => c.variant)), formulation: new Set(own.map((c) => c.formulation)),
+      family: new Set(rows.filter((r) => asked.has(r.cell)).map((r) => families.get(r.family).name)),
+    };
+    for (const [kind, names] of Object.entries(has)) {
+      for (const box of boxes(kind)) box.closest("label").hidden = !names.has(box.value);
+    }
+    for (const slot of document.querySelectorAll("[data-formulation-key]")) {
+      const cell = own.find((c) => c.formulation === slot.dataset.formulationKey);
+      if (cell) slot.innerHTML = formulationKey(cell);
+    }
+  }
+  function formulationKey(cell) {
+    return svg(42, `<path d="M0 8H42" stroke="currentColor" stroke-width="1.4" stroke-dasharray="${cell.dash.join(" ")}"/>${keyMarker(0, cell.fill, "currentColor", 21)}`);
   }
 
   // ---- tables: filter, search, sort
@@ -422,6 +437,7 @@
   // ---- events
   function refresh() {
     const now = selection();
+    drawKeys(now);
     filterTables(now);
     drawErrorTime(now);
     drawCurves(now);
