@@ -73,6 +73,7 @@ Json surfaces_json() {
                               {"summary", formulation.summary},
                               {"forms", form_names(formulation.forms)},
                               {"degree", known_degree(formulation.degree)},
+                              {"plain", formulation.is_plain},
                               {"source", formulation.source}});
     }
     list.push_back({{"name", entry.name},
@@ -134,8 +135,9 @@ void print_surfaces(fmt::memory_buffer& out) {
     for (const FormulationInfo& formulation : entry.formulations) {
       const std::string degree =
           formulation.degree == 0 ? "" : fmt::format(", degree {}", formulation.degree);
-      fmt::format_to(std::back_inserter(out), "  {:<20}   {} [{}{}]: {}\n", "", formulation.name,
-                     fmt::join(form_names(formulation.forms), ", "), degree, formulation.summary);
+      fmt::format_to(std::back_inserter(out), "  {:<20}   {} [{}{}{}]: {}\n", "", formulation.name,
+                     fmt::join(form_names(formulation.forms), ", "), degree,
+                     formulation.is_plain ? ", never certified" : "", formulation.summary);
     }
   }
 }

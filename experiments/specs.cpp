@@ -89,6 +89,32 @@ void check_formulation(const SceneMember& member, const std::string& place) {
                    unknown_name_message("formulation of " + member.surface.type, member.formulation, known));
 }
 
+/// The field that a complaint of a surface is about: its sentence begins with the name of a parameter, or
+/// with "parameter 'NAME'". "surface" if it does not.
+std::string field_of(std::string_view message, const SurfaceInfo& info) {
+  constexpr std::string_view kPrefix = "parameter '";
+  if (message.substr(0, kPrefix.size()) == kPrefix) message.remove_prefix(kPrefix.size());
+  for (const std::string_view name : info.parameters) {
+    if (message.substr(0, name.size()) != name) continue;
+    const char next = message.size() > name.size() ? message[name.size()] : ' ';
+    if (next == ' ' || next == '[' || next == ':' || next == '\'') return std::string(name);
+  }
+  return "surface";
+}
+
+/// Builds the surface once, so that a bad value is reported with its place in the file.
+void check_surface(const SurfaceSpec& surface, const toml::table& table, const std::string& file) {
+  const SurfaceEntry* entry = nullptr;
+  as_usage_error(where(table, file, "type"), [&] { return entry = &find_surface(surface.type); });
+  try {
+    entry->make(surface);
+  } catch (const std::invalid_argument& error) {
+    const std::string field = field_of(error.what(), entry->info);
+    const toml::node* const node = table.get(field);
+    throw UsageError(where(node != nullptr ? *node : table, file, field) + error.what());
+  }
+}
+
 /// One [[surface]]: the fields every surface has, and its parameters.
 SceneMember read_member(const toml::table& table, const std::string& file) {
   SceneMember member;
@@ -119,9 +145,7 @@ SceneMember read_member(const toml::table& table, const std::string& file) {
     }
   }
   if (member.surface.type.empty()) throw UsageError(where(table, file, "type") + "missing");
-  // Build it once, so that a bad value is reported with the surface's place in the file.
-  as_usage_error(where(table, file, "surface"),
-                 [&] { return find_surface(member.surface.type).make(member.surface); });
+  check_surface(member.surface, table, file);
   if (const toml::node* const node = table.get("formulation")) {
     check_formulation(member, where(*node, file, "formulation"));
   }

@@ -161,7 +161,7 @@ std::vector<Cell> make_cells(const SweepConfig& config, Store& store, Subject& s
         cell.solver.precision = precision;
         cell.id = store.cell_id({subject.id, cell.solver.formulation, std::string(to_string(pairing.form)),
                                  solver.name, solver.options_text, std::string(to_string(precision)),
-                                 entry.info.claims.certified});
+                                 entry.info.claims.certified && !formulation.is_plain});
         cells.push_back(cell);
       }
       for (std::size_t i = 0; i < surface.formulations.size(); ++i) {

@@ -103,7 +103,8 @@ FormulationInfo BoxSlabs::info() {
           "t1 = (lo - o) / d, t2 = (hi - o) / d of each slab in plain arithmetic",
           "document 001",
           {Form::polynomial, Form::scalar, Form::interval},
-          1};
+          1,
+          true};
 }
 
 BoxSlabs::BoxSlabs(const Box& surface) : faces(surface.faces) {}

@@ -387,7 +387,8 @@ FormulationInfo ConvexPolyhedronCyrusBeck::info() {
           "entering and leaving planes in plain arithmetic",
           "document 004; Cyrus, Beck 1978",
           {Form::polynomial, Form::scalar, Form::interval},
-          1};
+          1,
+          true};
 }
 
 ConvexPolyhedronCyrusBeck::ConvexPolyhedronCyrusBeck(const ConvexPolyhedron& surface)

@@ -303,7 +303,8 @@ inline LocalHit hit_of(const Posed& posed, const Root& root, double shift) {
   return {.multiplicity = (posed.kind & kTouch) != 0 ? 2U : root.multiplicity,
           .delta = root.x - shift,
           .t = static_cast<double>(posed.kind & ~kTouch),
-          .is_root = shift == 0};
+          .is_root = shift == 0,
+          .is_apart = true};
 }
 
 /// The formula's value with a relative error below 2^-52 times that of a double; needs bits.is_exact().

@@ -88,7 +88,8 @@ FormulationInfo DiskPlain::info() {
           "t = n.(c - o) / (n.d), then |o + t d - c| <= r",
           "document 002",
           {Form::polynomial, Form::scalar, Form::interval},
-          1};
+          1,
+          true};
 }
 
 void DiskPlain::pose(const LocalRay& ray, EquationBlock& block) const {

@@ -65,13 +65,20 @@ static_assert(Status::ok < Status::uncertain && Status::uncertain < Status::fail
 
 std::string in_float(Precision precision) { return precision == Precision::binary32 ? " in float" : ""; }
 
+/// Hits of one surface at one l are one hit, unless the surface knows better: then they get neighbouring
+/// doubles.
 void merge_equal(std::vector<SceneHit>& hits) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < hits.size(); ++i) {
     SceneHit* const last = kept > 0 ? &hits[kept - 1] : nullptr;
     if (last != nullptr && last->ray == hits[i].ray && last->l == hits[i].l &&
         last->surface == hits[i].surface) {
-      last->local.multiplicity += hits[i].local.multiplicity;
+      if (last->local.is_apart && hits[i].local.is_apart) {
+        hits[i].l = std::nextafter(hits[i].l, std::numeric_limits<double>::infinity());
+        hits[kept++] = hits[i];
+      } else {
+        last->local.multiplicity += hits[i].local.multiplicity;
+      }
     } else {
       hits[kept++] = hits[i];
     }
@@ -122,7 +129,7 @@ Intersector::Intersector(const SurfaceEntry& surface, const SolverEntry& solver,
       solver_name_(solver.name),
       options_(method.options),
       pairing_(pair_up(solver, surface, method.formulation, method.precision)),
-      certified_(solver.info.claims.certified),
+      certified_(solver.info.claims.certified && !surface.formulations[pairing_.formulation].is_plain),
       group_(surface.make_group(pairing_.formulation)),
       solver_(solver.make(method.options)) {}
 
@@ -275,7 +282,8 @@ void Scene::answer_block(std::span<const Ray> rays, Query query, Wanted wanted, 
   ask_always(rays, work);
   if (culling_ && query == Query::all) ask_all(rays, work);
   if (culling_ && query != Query::all) ask_in_front(rays, query, work);
-  std::sort(work.hits.begin(), work.hits.end(), [](const SceneHit& a, const SceneHit& b) {
+  // Stable: of two hits at one l the surface's own order stands, as a solid's entry before its exit.
+  std::stable_sort(work.hits.begin(), work.hits.end(), [](const SceneHit& a, const SceneHit& b) {
     return std::tie(a.ray, a.l, a.surface) < std::tie(b.ray, b.l, b.surface);
   });
   merge_equal(work.hits);

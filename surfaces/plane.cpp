@@ -38,9 +38,10 @@ PlanePlain::PlanePlain(const Plane& surface) : data(surface.data) {}
 FormulationInfo PlanePlain::info() {
   return {"plain",
           "t = (b - a.o) / (a.d)",
-          "documents 001 and 002, sign as in MATHS errata 7",
+          "documents 001 and 002, with the sign corrected",
           {Form::polynomial, Form::scalar, Form::interval},
-          1};
+          1,
+          true};
 }
 
 void PlanePlain::pose(const LocalRay& ray, EquationBlock& block) const {

@@ -202,7 +202,8 @@ FormulationInfo PolygonEvenOdd::info() {
           "t = N.(v0 - o) / (N.d), then even-odd about the point, dominant coordinate dropped",
           "document 001",
           {Form::polynomial, Form::scalar, Form::interval},
-          1};
+          1,
+          true};
 }
 
 void PolygonEvenOdd::pose(const LocalRay& ray, EquationBlock& block) const {

@@ -30,6 +30,7 @@ struct LocalHit {
   double t = 0;
   double error = 0;       ///< bound on the rounding of delta by the lift, where it exceeds a few ulps
   bool is_root = false;   ///< delta is the equation's root itself: the lift rounds nothing
+  bool is_apart = false;  ///< another point than any other hit of the ray, even where both round to one l
   bool in_doubt = false;  ///< a proved root that does not locate the hit: see GroupModel::in_doubt
 };
 
@@ -67,6 +68,9 @@ struct FormulationInfo {
   std::string_view source;   ///< citation
   std::vector<Form> forms;   ///< forms it offers
   int degree = 0;  ///< of its polynomials; 0: depends on the surface, so not for solvers with a limit
+  /// It takes decisions about the ray in plain arithmetic: no answer is certified, whatever the solver proves
+  /// of the equation.
+  bool is_plain = false;
 };
 
 struct SurfaceInfo {

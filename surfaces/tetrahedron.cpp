@@ -110,7 +110,8 @@ FormulationInfo TetrahedronCyrusBeck::info() {
           "entering and leaving planes in plain arithmetic, with rounded normals",
           "document 004; Cyrus, Beck 1978",
           {Form::polynomial, Form::scalar, Form::interval},
-          1};
+          1,
+          true};
 }
 
 TetrahedronCyrusBeck::TetrahedronCyrusBeck(const Tetrahedron& surface) : faces(surface.faces) {}

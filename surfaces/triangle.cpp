@@ -78,7 +78,8 @@ FormulationInfo TriangleBarycentric::info() {
           "t, u, v as quotients of triple products, u >= 0, v >= 0, u + v <= 1",
           "document 002; Moeller, Trumbore 1997",
           {Form::polynomial, Form::scalar, Form::interval},
-          1};
+          1,
+          true};
 }
 
 void TriangleBarycentric::pose(const LocalRay& ray, EquationBlock& block) const {

@@ -109,13 +109,10 @@ void judge_block(const Block& block, const Contestant& contestant, bool shown, T
 std::optional<Contestant> contestant(const SurfaceEntry& surface, std::size_t index, std::string_view name) {
   for (const SolverEntry& solver : solver_registry()) {
     if (solver.name != name) continue;
-    const FormulationInfo& formulation = surface.formulations[index];
-    const bool too_high = solver.info.max_degree > 0 &&
-                          (formulation.degree == 0 || formulation.degree > solver.info.max_degree);
     const auto pairings = all_pairings(solver, surface);
     const bool takes = std::any_of(pairings.begin(), pairings.end(),
                                    [&](const Pairing& pairing) { return pairing.formulation == index; });
-    if (takes && !too_high) return Contestant{&surface, &solver, std::string(formulation.name)};
+    if (takes) return Contestant{&surface, &solver, std::string(surface.formulations[index].name)};
   }
   return std::nullopt;
 }

@@ -131,7 +131,7 @@ TEST(ClosedForm, LowerDegreesAndTheClosedInterval) {
   EXPECT_EQ(solve<double>({0, -2, 1}, 0.5, 1.5).list.size(), 0U);
   EXPECT_EQ(solve<double>({0, 0, 5}).list[0].multiplicity, 2U);
   EXPECT_EQ(solve<double>({1, 2, 3, 4}).status, Status::failed) << "of degree 3";
-  EXPECT_EQ(solve<double>({1, NAN, 3}).status, Status::invalid);
+  EXPECT_EQ(solve<double>({1, std::numeric_limits<double>::quiet_NaN(), 3}).status, Status::invalid);
 }
 
 TEST(ClosedForm, BernsteinCoefficientsOnAnyInterval) {
