@@ -19,7 +19,7 @@ std::vector<std::string> form_names(const std::vector<Form>& forms) {
   return names;
 }
 
-/// The arithmetics in which a solver takes at least one form, "double" or "double, float".
+/// The precisions in which a solver takes at least one form, "double" or "double, float".
 std::vector<std::string_view> precisions_of(const SolverEntry& entry) {
   std::vector<std::string_view> names;
   for (const Precision precision : {Precision::binary64, Precision::binary32}) {

@@ -4,20 +4,20 @@
 // Needs:   N >= 1, finite inputs, r > 0, a != 0, P symmetric positive definite (std::invalid_argument where
 //          not). d is any non-zero vector, not assumed unit: l is in units of |d|.
 // Returns: hits sorted by l, each with its multiplicity (2 = touches), and a status: `coincident` for a ray
-//          inside a plane; `invalid` for a ray that is not finite or has no direction; `uncertain` where
-//          the range below, or an ellipsoid's condition, hides the answer: the list then holds what is
-//          proved.
+//          inside a plane; `invalid` for a ray that is not finite or has no direction; `uncertain` where the
+//          range below, or an ellipsoid's condition, hides the answer: the list then holds what is proved.
 // Error:   sphere and plane: the count is exact, l within 1 ulp, for coordinates (of o, c, r, and among
-//          those of d and of a) that are zero or within 2^200 of the largest of their kind; beyond, the count
-//          is right or the status is `uncertain`. Ellipsoid: the count is right or `uncertain` (a touch
-//          always is); l as for a P that is off by a relative eta = 2^-101 N (N + 4) condition().
+//          those of d and of a) that are zero or within 2^200 of the largest of their kind; beyond, the
+//          count is right or the status is `uncertain`. Ellipsoid: the count is right or `uncertain` (a
+//          touch always is); l as for a P that is off by a relative eta = 2^-101 N (N + 4) condition().
 //          Scaling all lengths, or d, by a power of two changes no bit of the significands (the ellipsoid:
 //          all lengths by 2^k is P by 2^2k).
 // Cost:    O(N) double-double operations (ellipsoid: O(N^2)), no allocation; expansions where the filter
-//          cannot tell. Measured for N = 3: plane 0.08, sphere 0.17, ellipsoid 0.3, a touched sphere
-//          0.6 to 1.4 us.
-// Source:  document 002, whose plane formula has the wrong sign: l = (b - a.o)/(a.d). Changed: the quadratic
-//          is posed at the foot of the perpendicular, so that far origins and grazing rays do not cancel.
+//          cannot tell. Measured for N = 3: plane 0.08, sphere 0.17, ellipsoid 0.3, a touched sphere 0.6 to
+//          1.4 us.
+// Source:  document 002, whose plane formula has the wrong sign: l = (b - a.o)/(a.d). Changed: the
+//          quadratic is posed at the foot of the perpendicular, so that far origins and grazing rays do not
+//          cancel.
 #pragma once
 
 #include <algorithm>

@@ -4,8 +4,7 @@
 // needs         min_i < max_i in every coordinate (compared exactly)
 // parameters    face: 0..5 for -x, +x, -y, +y, -z, +z
 // facts         convex: at most two hits; a ray that touches an edge or a corner has one of multiplicity 2;
-// one
-//               that runs inside a side is coincident
+//               one that runs inside a side is coincident
 // source        document 001; Cyrus, Beck 1978 (see convex_solid.hpp)
 #pragma once
 

@@ -2,13 +2,11 @@
 //
 // surface       the boundary of the closed solid n_i.x <= b_i
 // needs         rows [nx, ny, nz, b], at most kMostHalfspaces, n_i not zero; a bounded solid with interior.
-// All is
-//               decided exactly; what is empty, flat or unbounded is refused. Planes that bound nothing are
-//               allowed
+//               All is decided exactly; what is empty, flat or unbounded is refused. Planes that bound
+//               nothing are allowed
 // parameters    face: the row's index
-// facts         at most two hits; a ray that touches an edge or a corner has one of multiplicity 2; one that
-// runs
-//               inside a plane and the solid is coincident
+// facts         at most two hits; a ray that touches an edge or a corner has one of multiplicity 2; one
+//               that runs inside a plane and the solid is coincident
 // cost          building: all triples of planes, O(N^3) and more with planes through one corner
 //               (surfaces/convex_polyhedron.md); a ray: at most N plane tests
 // source        document 004; Cyrus, Beck 1978 (see convex_solid.hpp)

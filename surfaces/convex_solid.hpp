@@ -2,21 +2,18 @@
 // and where a line is inside all of them.
 //
 // solves    entering planes (n.d < 0) and leaving planes (n.d > 0) are crossed at l_i = (b_i - n_i.o) /
-// (n_i.d);
-//           l_in = the largest entering one, l_out = the smallest leaving one; the line meets the solid if
-//           l_in <= l_out and no parallel plane (n.d = 0) has it outside
+//           (n_i.d); l_in = the largest entering one, l_out = the smallest leaving one; the line meets the
+//           solid if l_in <= l_out and no parallel plane (n.d = 0) has it outside
 // needs     faces with `template <class T> T top(ray)` = b - n.o and `T bottom(ray)` = n.d (up to one
-// positive
-//           factor for both), for T = double, float, Interval and Expansion, and a Grain that bounds their
-//           bits
-// returns   miss, through, touch (l_in = l_out), coincident (a stretch of the ray lies in a plane and in the
-//           solid), undecided (rounding hides the answer and the numbers leave the range of exact sums)
+//           positive factor for both), for T = double, float, Interval and Expansion, and a Grain that
+//           bounds their bits
+// returns   miss, through, touch (l_in = l_out), coincident (a stretch of the ray lies in a plane and in
+//           the solid), undecided (rounding hides the answer and the numbers leave the range of exact sums)
 // error     `exact_passage`: none; its equations are good to the last bit. `plain_passage`: that of doubles
 // cost      at most one test a plane; ends as soon as l_in > l_out or l_out <= 0. No allocation but in
 //           expansions of more than 32 parts
 // source    Cyrus, Beck, Computers & Graphics 3 (1978) 23-28; documents 001 (slabs) and 004. Changed:
-// decisions
-//           are exact, by intervals and then by expansions
+//           decisions are exact, by intervals and then by expansions
 #pragma once
 
 #include <algorithm>

@@ -1,9 +1,8 @@
 // The ellipsoid (x - c)^T P^-1 (x - c) = 1 (document 002).
 //
 // surface       (x - center)^T P^-1 (x - center) = 1 over the rationals: adj(P) and det(P) instead of P^-1
-// needs         finite center; P 3x3 symmetric positive definite (checked exactly), or semi_axes = [a, b, c]
-// > 0,
-//               which is P = diag(a^2, b^2, c^2) exactly
+// needs         finite center; P 3x3 symmetric positive definite (checked exactly), or semi_axes = [a, b,
+//               c] > 0, which is P = diag(a^2, b^2, c^2) exactly
 // parameters    theta = atan2(z - c_z, x - c_x) in (-pi, pi], phi = atan2(y - c_y, hypot(x - c_x, z - c_z))
 // facts         at most two hits; half extents of its box sqrt(P_ii); normal P^-1 (x - c), normalised
 // source        document 002

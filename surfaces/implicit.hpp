@@ -16,8 +16,7 @@
 // error         scalar: f_error is the width of f's inclusion at the point; interval: inclusions are as sharp
 //               as f is written, each mention of a variable counts
 // source        document 004: d(t) = f(S + c t); sphere tracing: Hart, "Sphere tracing", The Visual Computer
-// 12,
-//               1996; changed: steps are rounded down, so that none passes the surface
+//               12, 1996; changed: steps are rounded down, so that none passes the surface
 #pragma once
 
 #include <array>

@@ -14,7 +14,7 @@ namespace graze {
 /// Local frame: lengths in units of 2^unit (the surface's size, rounded down to a power of two), direction
 /// scaled by a power of two so that its largest component lies in [1, 2). Both steps are exact (short of
 /// underflow below 2^-1022 of the surface's size), so scaling a scene by 2^k changes no bit of what follows.
-/// Recentred (MATHS: far origin): x = p + delta d with delta = l - centre, p = fma(centre, d, o) rounded once
+/// Recentred, for far origins: x = p + delta d with delta = l - centre, p = fma(centre, d, o) rounded once
 /// a coordinate; centre is a double near the ray's closest approach to the surface, 0 when o is near anyway.
 struct LocalRay {
   Vec3 o;                     ///< origin

@@ -1,18 +1,17 @@
 // Directions of reflected and refracted light, and the two highlight terms built on them.
 //
-// Solves:  R = 2 (N,L) N - L; T = -eta L + (eta (N,L) - sqrt(1 + eta^2 ((N,L)^2 - 1))) N; H = (L + E)/|L +
-// E|;
-//          max(0, (R,E))^n (Phong), max(0, (H,N))^n (Blinn).
-// Needs:   unit vectors. L points to the light (for a ray: L = -d/|d|), E to the eye, N to the side L is on;
-//          from inside a body the caller passes -N and 1/eta: facing_normal() turns N.
+// Solves:  R = 2 (N,L) N - L; T = -eta L + (eta (N,L) - sqrt(1 + eta^2 ((N,L)^2 - 1))) N;
+//          H = (L + E)/|L + E|; max(0, (R,E))^n (Phong), max(0, (H,N))^n (Blinn).
+// Needs:   unit vectors. L points to the light (for a ray: L = -d/|d|), E to the eye, N to the side L is
+//          on; from inside a body the caller passes -N and 1/eta: facing_normal() turns N.
 // Units:   eta = eta_1/eta_2, the index on L's side over the one beyond: 1/1.52 from air into glass.
 // Returns: unit vectors; nothing for total internal reflection, or where there is no half vector.
-// Error:   u = 2^-53. For inputs as `normalized` gives them: R, T and H are unit within kUnitError (T: times
-//          max(1, eta)); sin T = eta sin L within 8 u max(1, eta), at any angle from normal to grazing.
-//          optics.md says what the critical angle does.
+// Error:   u = 2^-53. For inputs as `normalized` gives them: R, T and H are unit within kUnitError (T:
+//          times max(1, eta)); sin T = eta sin L within 8 u max(1, eta), at any angle from normal to
+//          grazing. optics.md says what the critical angle does.
 // Cost:    R 17, T about 40 operations, no allocation.
-// Source:  document 001 (Snell's law in vector form). Changed: the square root is written with
-//          sin = |N x L|, so that neither normal incidence nor the critical angle loses digits to 1 - cos^2.
+// Source:  document 001 (Snell's law in vector form). Changed: the square root is written with sin = |N x
+//          L|, so that neither normal incidence nor the critical angle loses digits to 1 - cos^2.
 #pragma once
 
 #include <algorithm>

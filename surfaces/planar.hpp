@@ -4,13 +4,14 @@
 // solves        n.(o + l d) = b, and on which side of what the ray passes
 // needs         a ray in the figure's local frame (local_ray.hpp)
 // shapes        n, b of any length, as ExactNumber; coefficients ascending in delta = l - centre
-// returns       an equation for a ray that meets the figure; nothing for one that does not; Status::uncertain
-//               where a sign is beyond both intervals and the range of expansions; Status::failed where the
-//               ray's numbers leave double in the figure's units
-// error         decisions: none. Coefficients: 1 ulp each; l within 4 ulps with closed_form (measured: 3.97)
+// returns       an equation for a ray that meets the figure; nothing for one that does not;
+//               Status::uncertain where a sign is beyond both intervals and the range of expansions;
+//               Status::failed where the ray's numbers leave double in the figure's units
+// error         decisions: none. Coefficients: 1 ulp each; l within 4 ulps with closed_form (measured:
+//               3.97)
 // cost          some 20 interval operations a sign; expansions (0.2 ... 1 us) where those cannot tell
 // source        document 001 and 002 for the figures; Shewchuk 1997 and solvers/math/interval.hpp for the
-// signs
+//               signs
 #pragma once
 
 #include <algorithm>

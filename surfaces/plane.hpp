@@ -5,8 +5,9 @@
 // parameters    none
 // facts         at most one hit; a ray in the plane is coincident (one-sided: no hit)
 // normal        a / |a|, whichever side the ray comes from
-// size          L = |b| / |a|, the distance from the origin; 1 for b = 0, when the plane has no length of its
-// own source        document 001 (one- and two-sided), document 002 with its sign corrected (MATHS errata 7)
+// size          L = |b| / |a|, the distance from the origin; 1 for b = 0, when the plane has no length of
+//               its own
+// source        document 001 (one- and two-sided), document 002 with its sign corrected
 #pragma once
 
 #include <tuple>

@@ -1,13 +1,12 @@
 // The polygon by the even-odd rule (document 001).
 //
-// surface       the inside and the edges of a simple polygon, on its reference plane N.(x - v0) = 0 with the
-//               exact Newell normal N = sum (v_i - v0) x (v_{i+1} - v0)
+// surface       the inside and the edges of a simple polygon, on its reference plane N.(x - v0) = 0 with
+//               the exact Newell normal N = sum (v_i - v0) x (v_{i+1} - v0)
 // needs         at least three finite vertices; no edge without length, no self-intersection, all vertices
 //               within 2^-46 of the largest coordinate difference of the plane: each decided exactly
 // parameters    none
 // facts         at most one hit. A ray meets it if its line passes inside the chain of edges, half open in
-// ray
-//               space: of two polygons that share an edge exactly one is hit by a ray through that edge
+//               ray space: of two polygons that share an edge exactly one is hit by a ray through that edge
 //               (unless the edge is a silhouette: then both or none)
 // normal        N / |N|, whichever side the ray comes from
 // source        document 001 (even-odd, drop the dominant axis); exact normal and ray space: graze

@@ -3,11 +3,11 @@
 // surface       A x^2 + E y^2 + H z^2 + 2B xy + 2C xz + 2F yz + 2D x + 2G y + 2I z + J = 0
 // needs         finite A ... J, each 0 where it is not given, not all zero
 // parameters    none
-// facts         at most two hits, or the ray runs inside (a generator: coincident). Normal: the gradient of s
-// f,
-//               s = -1 if the quadratic part has more negative than positive eigenvalues, else 1; where the
-//               gradient is exactly zero (apex, crossing), -d/|d|. variety() is its canonical class, by the
-//               exact inertias of the 3x3 and the 4x4 matrix; surfaces without a real point are allowed
+// facts         at most two hits, or the ray runs inside (a generator: coincident). Normal: the gradient of
+//               s f, s = -1 if the quadratic part has more negative than positive eigenvalues, else 1;
+//               where the gradient is exactly zero (apex, crossing), -d/|d|. variety() is its canonical
+//               class, by the exact inertias of the 3x3 and the 4x4 matrix; surfaces without a real point
+//               are allowed
 // source        document 001
 #pragma once
 

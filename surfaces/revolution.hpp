@@ -54,7 +54,7 @@ inline bool clip_slab(const LocalRay& ray, const Cylinder& bounds, double& lo, d
 }
 
 /// Intersects [lo, hi] with the delta range of the infinite cylinder. u = |p_x d_z - p_z d_x| / |d_xz| is the
-/// ray's distance from the axis (MATHS errata 2: needs no division by d_y).
+/// ray's distance from the axis (this form needs no division by d_y).
 inline bool clip_cylinder(const LocalRay& ray, const Cylinder& bounds, double& lo, double& hi) {
   const double radius2 = bounds.radius * bounds.radius * (1 + kMargin);
   const double direction2 = axis_distance2(ray.d);
@@ -165,7 +165,7 @@ Landmarks landmarks(const Profile& profile, int unit) {
 }
 
 /// The document's system in (delta, t, theta): three unknowns, analytic Jacobian. The columns for t and theta
-/// carry the minus sign that document 003 drops (MATHS errata 8). theta has no bounds and period 2 pi.
+/// carry the minus sign that document 003 drops. theta has no bounds and period 2 pi.
 template <class Profile>
 struct System {
   const Profile* profile;

@@ -3,8 +3,7 @@
 // surface       |x - center|^2 = radius^2
 // needs         finite center, radius > 0 finite
 // parameters    theta = atan2(z - c_z, x - c_x) in (-pi, pi], phi = atan2(y - c_y, hypot(x - c_x, z - c_z))
-// in
-//               [-pi/2, pi/2]; theta = 0 on the axis
+//               in [-pi/2, pi/2]; theta = 0 on the axis
 // facts         at most two hits; a touch counts twice; the normal is (x - c)/r
 // source        document 001 (its two algorithms), document 002
 #pragma once

@@ -4,9 +4,8 @@
 // needs         vertices that do not lie in one plane (decided exactly)
 // parameters    face: 0..3, the one opposite to that vertex
 // facts         convex: at most two hits; a ray that touches an edge or a corner has one of multiplicity 2;
-// one
-//               that runs inside a face is coincident. The faces' normals are no doubles: decisions start
-//               from the vertices, n.d = det(d, b - a, c - a)
+//               one that runs inside a face is coincident. The faces' normals are no doubles: decisions
+//               start from the vertices, n.d = det(d, b - a, c - a)
 // source        document 004; Cyrus, Beck 1978 (see convex_solid.hpp)
 #pragma once
 

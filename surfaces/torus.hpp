@@ -2,13 +2,11 @@
 //
 // surface       f = (|x|^2 + R^2 - r^2)^2 - 4 R^2 (x^2 + z^2) = 0; centre at the origin
 // needs         R > 0, r > 0 finite, R + r finite, the smaller at least 2^-1022 of the larger
-// kinds         ring torus (R > r), horn torus (R = r), spindle torus (R < r: an outer sheet, the apple, and
-// an
-//               inner one, the lemon, which meet in (0, +-sqrt(r^2 - R^2), 0))
+// kinds         ring torus (R > r), horn torus (R = r), spindle torus (R < r: an outer sheet, the apple,
+//               and an inner one, the lemon, which meet in (0, +-sqrt(r^2 - R^2), 0))
 // parameters    u = atan2(z, x), v = atan2(y, hypot(x, z) - R)
-// facts         f = F1 F2 with F1,2 = (rho -+ R)^2 + y^2 - r^2, rho = hypot(x, z): F1 = 0 is the outer sheet,
-// F2
-//               = 0 the inner one; at most four hits
+// facts         f = F1 F2 with F1,2 = (rho -+ R)^2 + y^2 - r^2, rho = hypot(x, z): F1 = 0 is the outer
+//               sheet, F2 = 0 the inner one; at most four hits
 // source        document 004; see surfaces/torus.md
 #pragma once
 

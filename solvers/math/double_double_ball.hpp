@@ -1,15 +1,14 @@
 // Double-doubles with a running bound on their error: coefficients whose rounding is far below a double's.
 //
 // Solves:  + - * on numbers known as value +- error, starting from exact doubles.
-// Needs:   rounding to nearest. Magnitudes up to 2^996; a product below 2^-900 is charged an absolute
-// 2^-1000. Returns: a value and a bound with |value - exact| <= error, proved; not finite where something
-// overflows. Error:   about 2^-103 of the largest intermediate an operation; enclosure() adds the rounding of
-// its two
+// Needs:   rounding to nearest. Magnitudes up to 2^996; a product below 2^-900 is charged
+//          an absolute 2^-1000.
+// Returns: a value and a bound with |value - exact| <= error, proved; not finite where something overflows.
+// Error:   about 2^-103 of the largest intermediate an operation; enclosure() adds the rounding of its two
 //          ends, so that a well-conditioned coefficient is enclosed within one or two doubles.
 // Cost:    about 30 flops an addition, 20 a product; no allocation.
 // Source:  the relative errors of solvers/math/double_double.hpp, summed as in Higham, "Accuracy and
-// Stability
-//          of Numerical Algorithms", 2nd ed., SIAM 2002, 3.3 (running error analysis).
+//          Stability of Numerical Algorithms", 2nd ed., SIAM 2002, 3.3 (running error analysis).
 #pragma once
 
 #include <cmath>

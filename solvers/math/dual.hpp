@@ -6,8 +6,7 @@
 //          namespace; std's for float and double). For T = Interval the results are inclusions. double,
 //          float, Interval and DoubleDouble are tested.
 // Returns: value, d and dd by the rules of calculus, in T's arithmetic; where T divides by zero (sqrt at 0)
-// it
-//          is T's answer.
+//          it is T's answer.
 // Error:   that of the formulas below in T: a few roundings an operation.
 // Cost:    a product 6 multiplications and 4 additions, a function one call of it and 5 operations.
 // Source:  Griewank, Walther, "Evaluating Derivatives", 2nd ed., SIAM 2008, 13.2 (Taylor coefficients of

@@ -2,8 +2,7 @@
 //
 // Solves:  inclusions of the four functions, for formulas that are generic over the scalar.
 // Needs:   a C library whose functions err by at most kLibraryUlps ulps. glibc documents 1 ulp at most for
-// all
-//          four in double; no standard promises it, so this is the one assumption here.
+//          all four in double; no standard promises it, so this is the one assumption here.
 // Returns: an interval that contains { f(v) : v in x, f defined }; the entire line where no v has a value.
 //          [-1, 1] for sine and cosine of arguments that are longer than a period or beyond 2^40.
 // Error:   each end within 2 kLibraryUlps + 1 doubles of the function's own end.
