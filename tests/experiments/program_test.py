@@ -514,8 +514,14 @@ class Surfaces(ProgramTest):
         for name in self.built():
             for surface, word in SURFACES[name][2]:
                 path = self.write("scene.toml", "# A comment, so that the surface starts on line 2.\n" + self.as_toml(surface))
-                result = self.refused(2, (f"{path}:2:",), "solve", "--solver", "interval_bisection", "--scene", path, text=UP)
+                result = self.refused(2, (path,), "solve", "--solver", "interval_bisection", "--scene", path, text=UP)
                 self.assertRegex(result.stderr, rf"\b{word}\b", surface)
+                # The line of the field that it names, or of the surface where the field is missing.
+                place = re.search(r":(\d+): field '(\w+)'", result.stderr)
+                self.assertIsNotNone(place, result.stderr)
+                with open(path) as file:
+                    line = file.read().splitlines()[int(place[1]) - 1]
+                self.assertRegex(line, rf"^({place[2]} =|\[\[surface\]\])", result.stderr)
 
     def test_a_scene_mixes_all_types_and_names_the_surface_of_every_hit(self):
         built = self.built()
