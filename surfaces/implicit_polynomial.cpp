@@ -272,7 +272,8 @@ Vec3 seeded_direction(Rng& rng) {
 Vec3 extent_near_origin(const PolynomialTerms& f) {
   Vec3 half;
   for (int i = 14; i < 27; ++i) {
-    const Vec3 d{i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0};
+    const auto step = [](int k) { return static_cast<double>(k % 3 - 1); };
+    const Vec3 d{step(i), step(i / 3), step(i / 9)};
     for (const double t : crossings(f, {}, d)) {
       half = {std::max(half.x, std::fabs(t * d.x)), std::max(half.y, std::fabs(t * d.y)),
               std::max(half.z, std::fabs(t * d.z))};
