@@ -324,7 +324,7 @@ bool Polygon::is_met(const Vector& o, const Vector& d, long grow) const {
   for (const Vector& w : vertices_) {
     Planar b = in_ray_space(w);
     if ((sign(a[1]) >= 0) != (sign(b[1]) >= 0) && sign(cross(a, b)) == sign(Integer(b[1] - a[1]))) odd = !odd;
-    a = std::move(b);
+    std::swap(a, b);
   }
   return odd;
 }
