@@ -67,8 +67,8 @@ Box::Box(const SurfaceSpec& spec) {
   check_extent(lo.z, hi.z, "z");
   shape = shape_of(lo, hi);
   reach = convex::reach_of(shape, unit());
-  const Vec3 low = convex::scaled(lo, -unit());
-  const Vec3 high = convex::scaled(hi, -unit());
+  const Vec3 low = scale_by_power(lo, -unit());
+  const Vec3 high = scale_by_power(hi, -unit());
   faces = {BoxFace{0, -1, low.x}, BoxFace{0, 1, high.x}, BoxFace{1, -1, low.y},
            BoxFace{1, 1, high.y}, BoxFace{2, -1, low.z}, BoxFace{2, 1, high.z}};
 }

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <tuple>
 
 #include <graze/surfaces/convex_solid.hpp>
@@ -19,23 +20,21 @@ struct Box;
 
 /// side x_axis <= side at, side = +-1.
 struct BoxFace {
-  int axis = 0;
+  std::size_t axis = 0;
   double side = 1;
   double at = 0;
 
   template <class T>
   [[nodiscard]] T top(const LocalRay& ray) const {
     const T plane = exactly<T>(at);
-    const T origin = exactly<T>(part(ray.o));
+    const T origin = exactly<T>(component(ray.o, axis));
     return side < 0 ? origin - plane : plane - origin;
   }
   template <class T>
   [[nodiscard]] T bottom(const LocalRay& ray) const {
-    return exactly<T>(side < 0 ? -part(ray.d) : part(ray.d));
+    const double along = component(ray.d, axis);
+    return exactly<T>(side < 0 ? -along : along);
   }
-
- private:
-  [[nodiscard]] double part(Vec3 v) const { return axis == 0 ? v.x : (axis == 1 ? v.y : v.z); }
 };
 
 /// Slabs ordered by exact comparisons.

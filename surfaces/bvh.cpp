@@ -9,11 +9,9 @@ namespace {
 
 constexpr std::size_t kBins = 16;  // Wald 2007: more gain little
 
-double axis_of(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
 /// Twice a box's centre along an axis, halved first so that it does not overflow.
-double centre(const Bounds& box, int axis) {
-  return 0.5 * axis_of(box.lo, axis) + 0.5 * axis_of(box.hi, axis);
+double centre(const Bounds& box, std::size_t axis) {
+  return 0.5 * component(box.lo, axis) + 0.5 * component(box.hi, axis);
 }
 
 /// Half the surface area: what the chance of a ray's visit grows with.
@@ -33,11 +31,11 @@ struct Bin {
 /// Where to cut the bins: before bin `cut` of `axis`, at the least expected cost.
 struct Cut {
   double cost = kInfinity;
-  int axis = 0;
+  std::size_t axis = 0;
   std::size_t cut = 0;
 };
 
-void consider(const std::array<Bin, kBins>& bins, int axis, Cut& best) {
+void consider(const std::array<Bin, kBins>& bins, std::size_t axis, Cut& best) {
   std::array<double, kBins> right_cost{};
   Bin right;
   for (std::size_t i = kBins; i-- > 1;) {
@@ -91,8 +89,8 @@ std::size_t Bvh::split(std::span<const Bounds> boxes, std::size_t first, std::si
   const auto end = begin + static_cast<std::ptrdiff_t>(count);
   Cut best;
   std::array<std::pair<double, double>, 3> range;
-  for (int axis = 0; axis < 3; ++axis) {
-    auto& [lo, hi] = range[static_cast<std::size_t>(axis)];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    auto& [lo, hi] = range[axis];
     lo = kInfinity;
     hi = -kInfinity;
     for (auto i = begin; i != end; ++i) {
@@ -110,7 +108,7 @@ std::size_t Bvh::split(std::span<const Bounds> boxes, std::size_t first, std::si
   }
   auto middle = begin;
   if (best.cost < kInfinity) {
-    const auto [lo, hi] = range[static_cast<std::size_t>(best.axis)];
+    const auto [lo, hi] = range[best.axis];
     middle = std::partition(begin, end, [&, lo = lo, hi = hi](std::uint32_t i) {
       return bin_of(centre(boxes[i], best.axis), lo, hi) < best.cut;
     });

@@ -144,21 +144,20 @@ class CornerSearch {
 // ------------------------------------------------------------------------------------------------ refusals
 
 /// The largest set of axes whose coordinate planes, added to planes of rank below 3, make the rank 3.
-std::vector<int> missing_axes(std::span<const HalfspaceFace> planes) {
-  const auto is_free = [](Vec3 v, int axis) { return (axis == 0 ? v.x : axis == 1 ? v.y : v.z) != 0; };
+std::vector<std::size_t> missing_axes(std::span<const HalfspaceFace> planes) {
   for (const HalfspaceFace& p : planes) {
     for (const HalfspaceFace& q : planes) {
-      for (int axis = 0; axis < 3; ++axis) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
         const auto part = [&](auto number) {
           using T = decltype(number);
-          return outer(vector_as<T>(p.n), vector_as<T>(q.n))[static_cast<std::size_t>(axis)];
+          return outer(vector_as<T>(p.n), vector_as<T>(q.n))[axis];
         };
         if (sign_of(part) != 0) return {axis};
       }
     }
   }
   if (planes.empty()) return {0, 1, 2};
-  const int kept = is_free(planes[0].n, 0) ? 0 : is_free(planes[0].n, 1) ? 1 : 2;
+  const std::size_t kept = planes[0].n.x != 0 ? 0 : planes[0].n.y != 0 ? 1 : 2;
   return {(kept + 1) % 3, (kept + 2) % 3};
 }
 
@@ -166,7 +165,7 @@ std::vector<int> missing_axes(std::span<const HalfspaceFace> planes) {
 /// direction stays inside, so that a coordinate across it may be set to zero: then corners tell.
 bool have_common_point(std::span<const HalfspaceFace> planes) {
   std::vector<HalfspaceFace> more(planes.begin(), planes.end());
-  for (const int axis : missing_axes(planes)) {
+  for (const std::size_t axis : missing_axes(planes)) {
     const Vec3 n{axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, axis == 2 ? 1.0 : 0.0};
     more.push_back({n, 0});
     more.push_back({-n, 0});
@@ -260,7 +259,7 @@ convex::Shape shape_of(std::span<const HalfspaceFace> planes, int unit) {
   const std::vector<Corner> corners = corners_of(planes);
   convex::Shape shape;
   for (const Corner& corner : corners) {
-    shape.vertices.push_back(convex::scaled(corner.point, unit));
+    shape.vertices.push_back(scale_by_power(corner.point, unit));
     if (!is_finite(shape.vertices.back())) {
       throw std::invalid_argument("halfspaces meet in a corner beyond the range of doubles");
     }
@@ -298,7 +297,7 @@ struct Rows {
         throw std::invalid_argument("halfspaces[" + std::to_string(n.size()) + "] has a normal of zero");
       }
       exponent.push_back(exponent_of(max_abs(normal)));
-      n.push_back(convex::scaled(normal, -exponent.back()));
+      n.push_back(scale_by_power(normal, -exponent.back()));
       b.push_back(row[3]);
     }
   }

@@ -78,8 +78,7 @@ inline Lifted lifted(const LocalRay& ray) {
   constexpr int kLow = -400, kLift = 500;
   if (Bits(ray.d).low >= kLow) return {ray, 0};
   Lifted result{ray, kLift};
-  const auto lift = [](double x) { return scale_by_power(x, kLift); };
-  result.ray.d = {lift(ray.d.x), lift(ray.d.y), lift(ray.d.z)};
+  result.ray.d = scale_by_power(ray.d, kLift);
   return result;
 }
 
@@ -471,14 +470,8 @@ struct Reach {
 };
 
 inline Reach reach_of(const Shape& shape, int unit) {
-  const Vec3 c = shape.centre();
-  const auto scale = [&](double x) { return scale_by_power(x, -unit); };
   // Twice the size: rounded corners and a rounded middle stay inside.
-  return {{scale(c.x), scale(c.y), scale(c.z)}, 2 * scale(shape.size())};
-}
-
-inline Vec3 scaled(Vec3 v, int k) {
-  return {scale_by_power(v.x, k), scale_by_power(v.y, k), scale_by_power(v.z, k)};
+  return {scale_by_power(shape.centre(), -unit), 2 * scale_by_power(shape.size(), -unit)};
 }
 
 }  // namespace graze::convex

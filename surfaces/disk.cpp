@@ -134,7 +134,7 @@ Disk::Disk(const SurfaceSpec& spec)
   if (radius_ <= 0) throw std::invalid_argument("parameter 'radius' must be positive");
   normal_ = normalized(n);
   unit_ = exponent_of(radius_);
-  data.centre = planar::scaled(centre_, -unit_);
+  data.centre = scale_by_power(centre_, -unit_);
   data.radius = scale_by_power(radius_, -unit_);
 
   const int exponent = exponent_of(max_abs(n));

@@ -150,17 +150,13 @@ Ellipsoid::Ellipsoid(const SurfaceSpec& spec) : centre_(vec3(spec.parameters, "c
     }
   }
   form.j = Coefficient(-inverse.determinant);
-  form.centre = {scale_by_power(centre_.x, -unit_), scale_by_power(centre_.y, -unit_),
-                 scale_by_power(centre_.z, -unit_)};
+  form.centre = scale_by_power(centre_, -unit_);
   half_ = {std::sqrt(p[0][0]), std::sqrt(p[1][1]), std::sqrt(p[2][2])};
   // The largest semi-axis is at most the root of the trace; the margin covers the roundings.
   reach_ = norm(half_) * (1 + 0x1p-40);
 }
 
-Bounds Ellipsoid::bounds() const {
-  return box_about(centre_, {scale_by_power(half_.x, unit_), scale_by_power(half_.y, unit_),
-                             scale_by_power(half_.z, unit_)});
-}
+Bounds Ellipsoid::bounds() const { return box_about(centre_, scale_by_power(half_, unit_)); }
 
 LocalPoint Ellipsoid::describe(const LocalRay& ray, const LocalHit& hit) const {
   const Vec3 slope = slope_at(form, second_degree::point_on<DoubleDouble>(ray, hit.delta));
@@ -177,15 +173,13 @@ SurfaceSample Ellipsoid::sample(double u, double v) const {
   const Vec3 start = form.centre + Vec3{l00 * w.x, l10 * w.x + l11 * w.y, l20 * w.x + l21 * w.y + l22 * w.z};
   const Vec3 x = polished(form, start);
   const Vec3 slope = slope_at(form, {x.x, x.y, x.z});
-  return {{scale_by_power(x.x, unit_), scale_by_power(x.y, unit_), scale_by_power(x.z, unit_)},
-          normalized(slope)};
+  return {scale_by_power(x, unit_), normalized(slope)};
 }
 
 Landmarks Ellipsoid::landmarks() const {
   Landmarks marks;
   marks.centre = centre_;
-  marks.half = {scale_by_power(half_.x, unit_), scale_by_power(half_.y, unit_),
-                scale_by_power(half_.z, unit_)};
+  marks.half = scale_by_power(half_, unit_);
   const bool upright = p[0][1] == 0 && p[1][2] == 0;
   if (upright) marks.poles = {centre_ - Vec3{0, marks.half.y, 0}, centre_ + Vec3{0, marks.half.y, 0}};
   marks.has_axis = upright && p[0][2] == 0 && p[0][0] == p[2][2] && centre_.x == 0 && centre_.z == 0;

@@ -289,10 +289,7 @@ FunctionOnRay<F> Implicit<F>::on(const Ray& ray) const {
 
 template <ImplicitFunction F>
 bool Implicit<F>::clip(LocalRay& ray) const {
-  const auto local = [this](Vec3 v) {
-    return Vec3{scale_by_power(v.x, -unit_), scale_by_power(v.y, -unit_), scale_by_power(v.z, -unit_)};
-  };
-  const Vec3 lo = local(box_.lo), hi = local(box_.hi);
+  const Vec3 lo = scale_by_power(box_.lo, -unit_), hi = scale_by_power(box_.hi, -unit_);
   recentre(ray, 0.5 * lo + 0.5 * hi, max_abs(0.5 * hi - 0.5 * lo));
   const std::array<Interval, 3> p = recentred_point<Interval>(ray);
   Interval range{-ray.centre, std::numeric_limits<double>::infinity()};
@@ -324,8 +321,7 @@ Vec3 Implicit<F>::gradient(Vec3 x) const {
 template <ImplicitFunction F>
 LocalPoint Implicit<F>::describe(const LocalRay& ray, const LocalHit& hit) const {
   const Vec3 x = ray.at(hit.delta);
-  const Vec3 g =
-      gradient({scale_by_power(x.x, unit_), scale_by_power(x.y, unit_), scale_by_power(x.z, unit_)});
+  const Vec3 g = gradient(scale_by_power(x, unit_));
   const bool is_singular = max_abs(g) == 0 || !is_finite(g);
   return {normalized(is_singular ? -ray.d : g), {}, is_singular};
 }

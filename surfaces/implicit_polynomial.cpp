@@ -453,9 +453,8 @@ Parameters ImplicitPolynomial::scaled(const Parameters& parameters, double facto
 }
 
 ImplicitPolynomial::ImplicitPolynomial(const SurfaceSpec& spec) : terms(spec.parameters.table("terms", 4)) {
-  const auto length = [this](double x) { return scale_by_power(x, unit()); };
   const Vec3 half = extent_near_origin(terms);
-  marks_.half = {length(half.x), length(half.y), length(half.z)};
+  marks_.half = scale_by_power(half, unit());
   // Origins on the surface stay the origin, so that the root l = 0 is exact; all others are recentred, for a
   // polynomial of degree n loses n bits by each doubling of the distance. A quarter more than what the axes
   // and diagonals show of the surface. A homogeneous f has no length to measure "near" by.
@@ -480,10 +479,7 @@ LocalPoint ImplicitPolynomial::describe(const LocalRay& ray, const LocalHit& hit
 
 SurfaceSample ImplicitPolynomial::sample(double u, double v) const {
   Rng rng(hash_combine(hash_combine(0, u), v));
-  const auto length = [this](Vec3 x) {
-    return Vec3{scale_by_power(x.x, unit()), scale_by_power(x.y, unit()), scale_by_power(x.z, unit())};
-  };
-  const Vec3 half = length({1, 1, 1});
+  const Vec3 half = scale_by_power(Vec3{1, 1, 1}, unit());
   const Vec3 reach{marks_.half.x / half.x, marks_.half.y / half.y, marks_.half.z / half.z};
   for (int i = 0; i < kSampleLines; ++i) {
     const Vec3 p{rng.uniform(-1, 1) * reach.x, rng.uniform(-1, 1) * reach.y, rng.uniform(-1, 1) * reach.z};
@@ -492,7 +488,7 @@ SurfaceSample ImplicitPolynomial::sample(double u, double v) const {
     if (found.empty()) continue;
     const auto pick = static_cast<std::size_t>(rng.uniform() * static_cast<double>(found.size()));
     if (const auto sample = polished(terms, p + found[pick] * d))
-      return {length(sample->point), sample->normal};
+      return {scale_by_power(sample->point, unit()), sample->normal};
   }
   return {{size(), 0, 0}, {1, 0, 0}};
 }

@@ -45,15 +45,12 @@ Mat3 inverse(const Mat3& matrix) {
   const double size = std::max({max_abs(matrix[0]), max_abs(matrix[1]), max_abs(matrix[2])});
   const int k = exponent_of(size);
   Mat3 m = matrix;
-  for (Vec3& row : m) {
-    row = {scale_by_power(row.x, -k), scale_by_power(row.y, -k), scale_by_power(row.z, -k)};
-  }
+  for (Vec3& row : m) row = scale_by_power(row, -k);
   const Mat3 adjugate = transpose({cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])});
   const double determinant = dot(m[0], cross(m[1], m[2]));
   Mat3 result = adjugate;
   for (Vec3& row : result) {
-    row = {scale_by_power(row.x / determinant, -k), scale_by_power(row.y / determinant, -k),
-           scale_by_power(row.z / determinant, -k)};
+    row = scale_by_power(Vec3{row.x / determinant, row.y / determinant, row.z / determinant}, -k);
   }
   return result;
 }

@@ -47,12 +47,9 @@ struct LocalRay {
 /// The ray in units of 2^unit, not yet recentred or clipped.
 inline LocalRay to_unit(const Ray& ray, int unit) {
   const int direction_exponent = exponent_of(max_abs(ray.d));
-  const auto scale = [](Vec3 v, int k) {
-    return Vec3{scale_by_power(v.x, k), scale_by_power(v.y, k), scale_by_power(v.z, k)};
-  };
   LocalRay local;
-  local.o = scale(ray.o, -unit);
-  local.d = scale(ray.d, -direction_exponent);
+  local.o = scale_by_power(ray.o, -unit);
+  local.d = scale_by_power(ray.d, -direction_exponent);
   local.p = local.o;
   local.l_exponent = unit - direction_exponent;
   return local;

@@ -179,8 +179,6 @@ T volume(const Array3<T>& a, const Array3<T>& b, const Array3<T>& c) {
   return inner(a, outer(b, c));
 }
 
-inline double component(Vec3 v, std::size_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
 /// The axis of the largest |v_k|, the smallest such index.
 inline std::size_t largest_axis(Vec3 v) {
   std::size_t axis = std::fabs(v.y) > std::fabs(v.x) ? 1 : 0;
@@ -197,10 +195,6 @@ inline std::array<Vec3, 2> tangents(Vec3 n) {
                                                          : Vec3{0, 0, 1};
   const Vec3 first = normalized(cross(n, axis));
   return {first, cross(n, first)};
-}
-
-inline Vec3 scaled(Vec3 v, int k) {
-  return {scale_by_power(v.x, k), scale_by_power(v.y, k), scale_by_power(v.z, k)};
 }
 
 // -------------------------------------------------------------------------------------------------- the

@@ -90,8 +90,8 @@ Plane::Plane(const SurfaceSpec& spec) {
                   planar::scaled_number(a.z, -a_exponent, data.plane.exact)};
   data.plane.b = planar::scaled_number(b, -a_exponent - unit_, data.plane.exact);
   data.plane.note_bits();
-  const double distance = mid(data.plane.b.near) / norm(planar::scaled(a, -a_exponent));
-  foot_ = planar::scaled(distance * normal_, unit_);
+  const double distance = mid(data.plane.b.near) / norm(scale_by_power(a, -a_exponent));
+  foot_ = scale_by_power(distance * normal_, unit_);
   if (b != 0) size_ = scale_by_power(std::fabs(distance), unit_);
 }
 
@@ -101,7 +101,7 @@ void Plane::measure_by_itself(LocalRay& ray) {
   const double size = max_abs(ray.o);
   if (size == 0 || !std::isfinite(size)) return;
   const int k = exponent_of(size);
-  ray.o = ray.p = planar::scaled(ray.o, -k);
+  ray.o = ray.p = scale_by_power(ray.o, -k);
   ray.l_exponent += k;
 }
 

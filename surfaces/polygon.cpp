@@ -38,8 +38,7 @@ class Outline {
     });
   }
   [[nodiscard]] bool same(std::size_t a, std::size_t b) const {
-    return planar::component(v_[a], i_) == planar::component(v_[b], i_) &&
-           planar::component(v_[a], j_) == planar::component(v_[b], j_);
+    return component(v_[a], i_) == component(v_[b], i_) && component(v_[a], j_) == component(v_[b], j_);
   }
 
   /// Do the closed edges from a to b and from c to d have a point in common?
@@ -57,11 +56,11 @@ class Outline {
  private:
   template <class T>
   [[nodiscard]] T x(std::size_t i) const {
-    return exactly<T>(planar::component(v_[i], i_));
+    return exactly<T>(component(v_[i], i_));
   }
   template <class T>
   [[nodiscard]] T y(std::size_t i) const {
-    return exactly<T>(planar::component(v_[i], j_));
+    return exactly<T>(component(v_[i], j_));
   }
 
   std::span<const Vec3> v_;
@@ -159,7 +158,7 @@ void PolygonExact::pose(const LocalRay& ray, EquationBlock& block) const {
 /// leaves the half plane V >= 0, or enters it, at U > 0. There U_a V_b - V_a U_b = d_k det(d, a - o, b - o).
 bool PolygonExact::is_inside(const LocalRay& ray, planar::Judge& judge) const {
   const std::size_t k = planar::largest_axis(ray.d), j = (k + 2) % 3;
-  const int facing = planar::component(ray.d, k) > 0 ? 1 : -1;
+  const int facing = component(ray.d, k) > 0 ? 1 : -1;
   const auto is_above = [&](Vec3 w) {
     return facing * judge.sign([&](auto number) {
       using T = decltype(number);
@@ -222,9 +221,7 @@ void PolygonEvenOdd::lift(const LocalRay& ray, const Posed& posed, const Root& r
     using T = decltype(number);
     const planar::Array3<T> x = planar::plain_point<T>(ray, root.x);
     const std::size_t i = (data->dropped + 1) % 3, j = (data->dropped + 2) % 3;
-    const auto at = [&](Vec3 w, std::size_t axis) {
-      return static_cast<T>(planar::component(w, axis)) - x[axis];
-    };
+    const auto at = [&](Vec3 w, std::size_t axis) { return static_cast<T>(component(w, axis)) - x[axis]; };
     bool odd = false;
     Vec3 a = data->vertices.back();
     for (const Vec3& b : data->vertices) {
@@ -259,7 +256,7 @@ Polygon::Polygon(const SurfaceSpec& spec) : vertices_(planar::vertices_of(spec))
   size_ = planar::extent_of(vertices_);
   unit_ = exponent_of(size_);
   for (const Vec3& v : vertices_) {
-    data.vertices.push_back(planar::scaled(v, -unit_));
+    data.vertices.push_back(scale_by_power(v, -unit_));
     data.bits.see(data.vertices.back());
   }
   data.plane = planar::plane_of(data.vertices);
@@ -283,7 +280,7 @@ Bounds Polygon::bounds() const {
 /// Cuts off triangles with no vertex inside, until one is left: raw material for samples.
 void Polygon::cut_into_ears() {
   const Outline outline(data);
-  const int turn = planar::component(normal_, data.dropped) > 0 ? 1 : -1;
+  const int turn = component(normal_, data.dropped) > 0 ? 1 : -1;
   std::vector<std::size_t> left(vertices_.size());
   std::iota(left.begin(), left.end(), std::size_t{0});
   double area = 0;

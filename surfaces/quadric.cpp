@@ -386,9 +386,7 @@ Quadric::Quadric(const SurfaceSpec& spec) {
   find_centre(coefficients, has_vertex, all.rank() == quadratic.rank(), axes_);
   if (is_one_of(variety_, {"ellipsoid", "point"})) {
     bounds_ = box_of(q, unit_);
-    const auto local = [this](double x) { return scale_by_power(x, -unit_); };
-    const Vec3 corner{local(bounds_.hi.x - bounds_.lo.x), local(bounds_.hi.y - bounds_.lo.y),
-                      local(bounds_.hi.z - bounds_.lo.z)};
+    const Vec3 corner = scale_by_power(bounds_.hi - bounds_.lo, -unit_);
     // Half the diagonal would do if the centre were exact; the whole one leaves room for its rounding.
     reach_ = norm(corner);
   }
@@ -399,7 +397,7 @@ Quadric::Quadric(const SurfaceSpec& spec) {
 void Quadric::measure_by_origin(LocalRay& ray) {
   if (max_abs(ray.o) == 0) return;
   const int k = exponent_of(max_abs(ray.o));
-  ray.o = {scale_by_power(ray.o.x, -k), scale_by_power(ray.o.y, -k), scale_by_power(ray.o.z, -k)};
+  ray.o = scale_by_power(ray.o, -k);
   ray.p = ray.o;
   ray.l_exponent += k;
 }

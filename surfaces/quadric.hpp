@@ -74,9 +74,7 @@ struct Quadric {
   std::array<double, 10> coefficients{};  ///< A ... J in local units
 
  private:
-  [[nodiscard]] Vec3 in_object_space(Vec3 x) const {
-    return {scale_by_power(x.x, unit_), scale_by_power(x.y, unit_), scale_by_power(x.z, unit_)};
-  }
+  [[nodiscard]] Vec3 in_object_space(Vec3 x) const { return scale_by_power(x, unit_); }
   [[nodiscard]] bool touches_singular_point(const LocalRay& ray) const;
   /// Axes of cylinders, generators, and directions in which A vanishes.
   void add_directions(Landmarks& marks) const;

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+
+#include <graze/solvers/math/scaling.hpp>
 
 namespace graze {
 
@@ -24,6 +27,12 @@ constexpr Vec3 cross(Vec3 a, Vec3 b) {
 inline double max_abs(Vec3 a) { return std::max({std::fabs(a.x), std::fabs(a.y), std::fabs(a.z)}); }
 inline double norm(Vec3 a) { return std::hypot(a.x, a.y, a.z); }
 inline bool is_finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+/// The coordinate along an axis: 0, 1, 2 for x, y, z.
+constexpr double component(Vec3 a, std::size_t axis) { return axis == 0 ? a.x : axis == 1 ? a.y : a.z; }
+/// a * 2^k, each coordinate as in scaling.hpp.
+inline Vec3 scale_by_power(Vec3 a, int k) {
+  return {scale_by_power(a.x, k), scale_by_power(a.y, k), scale_by_power(a.z, k)};
+}
 /// a / |a|, without overflow or underflow for any finite a != 0; zero stays zero.
 inline Vec3 normalized(Vec3 a) {
   const double size = max_abs(a);

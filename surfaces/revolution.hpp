@@ -134,18 +134,16 @@ SurfaceSample sample(const Profile& profile, double orientation, int unit, doubl
   const ProfilePoint c = profile.at(u);
   const double theta = 2 * std::numbers::pi * v;
   const Vec3 radial{std::cos(theta), 0, std::sin(theta)};
-  const auto length = [unit](double x) { return scale_by_power(x, unit); };
   const Vec3 normal = c.dy * orientation * radial + Vec3{0, -orientation * c.dr, 0};
-  return {{length(c.r * radial.x), length(c.y), length(c.r * radial.z)}, normalized(normal)};
+  return {scale_by_power(Vec3{c.r * radial.x, c.y, c.r * radial.z}, unit), normalized(normal)};
 }
 
 /// The box of the bounding cylinder in object space.
 template <class Profile>
 Bounds box(const Profile& profile, int unit) {
   const Cylinder c = profile.bounds();
-  const auto length = [unit](double x) { return scale_by_power(x, unit); };
-  return box_about({0, length(0.5 * (c.y_lo + c.y_hi)), 0},
-                   {length(c.radius), length(0.5 * (c.y_hi - c.y_lo)), length(c.radius)});
+  const Vec3 half{c.radius, 0.5 * (c.y_hi - c.y_lo), c.radius};
+  return box_about({0, scale_by_power(0.5 * (c.y_lo + c.y_hi), unit), 0}, scale_by_power(half, unit));
 }
 
 /// Bounds and poles in object space.
@@ -156,7 +154,7 @@ Landmarks landmarks(const Profile& profile, int unit) {
   Landmarks marks;
   marks.has_axis = true;
   marks.centre = {0, length(0.5 * (bounds.y_lo + bounds.y_hi)), 0};
-  marks.half = {length(bounds.radius), length(0.5 * (bounds.y_hi - bounds.y_lo)), length(bounds.radius)};
+  marks.half = scale_by_power(Vec3{bounds.radius, 0.5 * (bounds.y_hi - bounds.y_lo), bounds.radius}, unit);
   for (const double t : {0.0, 1.0}) {
     const ProfilePoint end = profile.at(t);
     if (end.r == 0) marks.poles.push_back({0, length(end.y), 0});

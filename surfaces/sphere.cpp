@@ -139,8 +139,7 @@ Sphere::Sphere(const SurfaceSpec& spec)
   if (radius_ <= 0) throw std::invalid_argument("radius must be positive");
   unit_ = exponent_of(radius_);
   form.radius = scale_by_power(radius_, -unit_);
-  form.centre = {scale_by_power(centre_.x, -unit_), scale_by_power(centre_.y, -unit_),
-                 scale_by_power(centre_.z, -unit_)};
+  form.centre = scale_by_power(centre_, -unit_);
 }
 
 bool Sphere::clip(LocalRay& ray) const {

@@ -66,7 +66,7 @@ Tetrahedron::Tetrahedron(const SurfaceSpec& spec) {
   std::array<Vec3, 4> local;
   convex::Bits length;
   for (std::size_t i = 0; i < 4; ++i) {
-    local[i] = convex::scaled(shape.vertices[i], -unit());
+    local[i] = scale_by_power(shape.vertices[i], -unit());
     length = length | convex::Bits(local[i]);
   }
   grain = {length * length, length * length * length};

@@ -346,12 +346,10 @@ LocalPoint Torus::describe(const LocalRay& ray, const LocalHit& hit) const {
 SurfaceSample Torus::sample(double u, double v) const {
   const double theta = 2 * std::numbers::pi * u, phi = 2 * std::numbers::pi * v;
   const double rho = profile.ring + profile.tube * std::cos(phi);
-  const auto length = [this](double x) { return scale_by_power(x, unit_); };
-  const Vec3 point{length(rho * std::cos(theta)), length(profile.tube * std::sin(phi)),
-                   length(rho * std::sin(theta))};
+  const Vec3 point{rho * std::cos(theta), profile.tube * std::sin(phi), rho * std::sin(theta)};
   // Beyond the axis the point lies on the inner sheet, whose outward side is its inside.
   const Vec3 normal{std::cos(phi) * std::cos(theta), std::sin(phi), std::cos(phi) * std::sin(theta)};
-  return {point, normalized(rho < 0 ? -normal : normal)};
+  return {scale_by_power(point, unit_), normalized(rho < 0 ? -normal : normal)};
 }
 
 Landmarks Torus::landmarks() const {

@@ -117,10 +117,10 @@ struct TriangleEquations {
     const auto& system = *static_cast<const TriangleEquations*>(self);
     const auto p = system.ray.template point_at<T>(x[0]);
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto at = [&](std::size_t i) { return static_cast<T>(planar::component(system.vertices[i], k)); };
+      const auto at = [&](std::size_t i) { return static_cast<T>(component(system.vertices[i], k)); };
       const T e1 = at(1) - at(0), e2 = at(2) - at(0);
       f[k] = p[k] - at(0) - x[1] * e1 - x[2] * e2;
-      jacobian[k] = {static_cast<T>(planar::component(system.ray.d, k)), -e1, -e2};
+      jacobian[k] = {static_cast<T>(component(system.ray.d, k)), -e1, -e2};
     }
   }
 
@@ -209,7 +209,7 @@ Triangle::Triangle(const SurfaceSpec& spec) {
   if (size_ == 0) throw std::invalid_argument("vertices are one point: the triangle is degenerate");
   unit_ = exponent_of(size_);
   for (std::size_t i = 0; i < 3; ++i) {
-    data.vertices[i] = planar::scaled(vertices_[i], -unit_);
+    data.vertices[i] = scale_by_power(vertices_[i], -unit_);
     data.bits.see(data.vertices[i]);
   }
   data.plane = planar::plane_of(data.vertices);
