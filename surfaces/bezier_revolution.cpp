@@ -142,17 +142,6 @@ struct PieceAlongRay {
     curvature = sqr(point(ray.d.x)) + sqr(point(ray.d.z));
   }
 
-  template <class T>
-  static BasicJet<T> eval(const void* self, T x) {
-    return static_cast<const PieceAlongRay*>(self)->jet(x);
-  }
-  static Interval value(const void* self, Interval x) {
-    return static_cast<const PieceAlongRay*>(self)->f(x);
-  }
-  static Interval derivative(const void* self, Interval x) {
-    return static_cast<const PieceAlongRay*>(self)->df(x);
-  }
-
   /// With G = R^2 as a function of y: G' = 2 R R'/Y', G'' = (2 R'^2 + 2 R R'' - G' Y'') / Y'^2.
   template <class T>
   [[nodiscard]] BasicJet<T> jet(T delta) const {
@@ -474,10 +463,8 @@ void BezierAlongRay::pose(const LocalRay& ray, EquationBlock& block) const {
       pose_scalar(block, kind, self, lo, hi, 0, hash_combine(ray.seed(), i));
     } else {
       self->prepare_intervals();
-      block.pose(
-          IntervalEquation{self, &PieceAlongRay::value, &PieceAlongRay::derivative, lo, hi,
-                           epsilons_along(regions, profile, profile.pieces[i], ray, unit, block.arena())},
-          kind);
+      pose_interval(block, kind, self, lo, hi,
+                    epsilons_along(regions, profile, profile.pieces[i], ray, unit, block.arena()));
     }
   }
 }

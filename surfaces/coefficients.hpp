@@ -131,8 +131,8 @@ struct PolynomialFunction {
   Stored<T> stored;
 
   /// Horner for p, p' and p''; the bound counts 2n + 2 roundings of each term.
-  static BasicJet<T> eval(const void* self, T x) {
-    const auto& c = static_cast<const PolynomialFunction*>(self)->stored.c;
+  [[nodiscard]] BasicJet<T> jet(T x) const {
+    const std::span<const T> c = stored.c;
     BasicJet<T> jet;
     T size = 0;
     for (std::size_t i = c.size(); i-- > 0;) {
@@ -144,15 +144,16 @@ struct PolynomialFunction {
     jet.f_error = static_cast<T>(2 * c.size()) * std::numeric_limits<T>::epsilon() / 2 * size;
     return jet;
   }
-  static Interval value(const void* self, Interval x) {
-    const auto& stored = static_cast<const PolynomialFunction*>(self)->stored;
-    return evaluate(stored.c, stored.c_error, x);
-  }
-  static Interval derivative(const void* self, Interval x) {
-    const auto& stored = static_cast<const PolynomialFunction*>(self)->stored;
-    return evaluate_derivative(stored.c, stored.c_error, x);
-  }
+  [[nodiscard]] Interval f(Interval x) const { return evaluate(stored.c, stored.c_error, x); }
+  [[nodiscard]] Interval df(Interval x) const { return evaluate_derivative(stored.c, stored.c_error, x); }
 };
+
+template <class T, class Function>
+BasicScalarEquation<T> scalar_equation(const Function* self, double lo, double hi, int max_roots,
+                                       std::uint64_t seed) {
+  const auto eval = [](const void* function, T x) { return static_cast<const Function*>(function)->jet(x); };
+  return {self, eval, lower_end<T>(lo), upper_end<T>(hi), max_roots, seed};
+}
 
 template <class T>
 void pose_stored(EquationBlock& block, std::uint32_t kind, Basis basis, double lo, double hi,
@@ -198,18 +199,30 @@ void pose_polynomial(EquationBlock& block, std::uint32_t kind, Basis basis, doub
   });
 }
 
-/// Poses f(delta) = 0 on [lo, hi] in form scalar, in the block's arithmetic. Function::eval<T> is the f of T.
+/// Poses f(delta) = 0 on [lo, hi] in form scalar, in the block's arithmetic: self->jet(delta), for float and
+/// for double, is f with its derivatives. *self lives as long as the block's equations.
 template <class Function>
 void pose_scalar(EquationBlock& block, std::uint32_t kind, const Function* self, double lo, double hi,
                  int max_roots, std::uint64_t seed) {
   const auto pose = [&](auto number) {
     using T = decltype(number);
-    block.pose(BasicScalarEquation<T>{self, &Function::template eval<T>, detail::lower_end<T>(lo),
-                                      detail::upper_end<T>(hi), max_roots, seed},
-               kind);
+    block.pose(detail::scalar_equation<T>(self, lo, hi, max_roots, seed), kind);
   };
   if (block.precision() == Precision::binary32) return pose(float{});
   pose(double{});
+}
+
+/// Poses the same in form interval: self->f(x) and self->df(x) enclose f and f' over x.
+template <class Function>
+void pose_interval(EquationBlock& block, std::uint32_t kind, const Function* self, double lo, double hi,
+                   const Epsilons& epsilons) {
+  const auto f = [](const void* function, Interval x) {
+    return static_cast<const Function*>(function)->f(x);
+  };
+  const auto df = [](const void* function, Interval x) {
+    return static_cast<const Function*>(function)->df(x);
+  };
+  block.pose(IntervalEquation{self, f, df, lo, hi, epsilons}, kind);
 }
 
 /// What solvers that work to a width are asked for, for roots of size `scale`: an ulp or two, and
@@ -240,14 +253,9 @@ void pose_in_delta(EquationBlock& block, std::uint32_t kind, double lo, double h
     if (!std::isfinite(end)) return block.settle(Status::failed);
     const auto* const self = block.arena().make(detail::PolynomialFunction<T>{stored});
     if (block.form() == Form::scalar) {
-      block.pose(BasicScalarEquation<T>{self, &detail::PolynomialFunction<T>::eval, detail::lower_end<T>(lo),
-                                        detail::upper_end<T>(end), max_roots, seed},
-                 kind);
+      block.pose(detail::scalar_equation<T>(self, lo, end, max_roots, seed), kind);
     } else if constexpr (std::is_same_v<T, double>) {
-      block.pose(IntervalEquation{self, &detail::PolynomialFunction<T>::value,
-                                  &detail::PolynomialFunction<T>::derivative, lo, end,
-                                  sharp_epsilons(block.arena(), 1, detail::largest(stored.c))},
-                 kind);
+      pose_interval(block, kind, self, lo, end, sharp_epsilons(block.arena(), 1, detail::largest(stored.c)));
     }
   });
 }

@@ -67,35 +67,23 @@ class FunctionOnRay {
       const T o = static_cast<T>(mid(o_[i])), d = static_cast<T>(mid(d_[i]));
       return Dual<T>::variable(std::fma(l, d, o), d);
     };
-    const Dual<T> f = (*f_)(coordinate(0), coordinate(1), coordinate(2));
+    const Dual<T> dual = (*f_)(coordinate(0), coordinate(1), coordinate(2));
     // The inclusion at the point is as wide as rounding in double makes it; in T it is eps_T / eps wider.
-    const Interval exact = over(point(static_cast<double>(l)));
+    const Interval exact = f(point(static_cast<double>(l)));
     constexpr T kEps = std::numeric_limits<T>::epsilon();
     const double in_units_of_t = static_cast<double>(kEps) / std::numeric_limits<double>::epsilon();
     const T rounding = static_cast<T>(width(exact) * in_units_of_t);
-    return {f.value, f.d, f.dd, rounding + kEps * std::fabs(f.value)};
+    return {dual.value, dual.d, dual.dd, rounding + kEps * std::fabs(dual.value)};
   }
   /// Contains { d(v) : v in l }.
-  [[nodiscard]] Interval over(Interval l) const {
+  [[nodiscard]] Interval f(Interval l) const {
     return (*f_)(o_[0] + d_[0] * l, o_[1] + d_[1] * l, o_[2] + d_[2] * l);
   }
   /// Contains { d'(v) : v in l }.
-  [[nodiscard]] Interval slope_over(Interval l) const {
+  [[nodiscard]] Interval df(Interval l) const {
     const auto coordinate = [&](std::size_t i) { return Dual<Interval>::variable(o_[i] + d_[i] * l, d_[i]); };
-    const Dual<Interval> f = (*f_)(coordinate(0), coordinate(1), coordinate(2));
-    return f.d;
-  }
-
-  // What equations point to.
-  template <class T>
-  static BasicJet<T> eval(const void* self, T l) {
-    return static_cast<const FunctionOnRay*>(self)->jet(l);
-  }
-  static Interval value(const void* self, Interval l) {
-    return static_cast<const FunctionOnRay*>(self)->over(l);
-  }
-  static Interval derivative(const void* self, Interval l) {
-    return static_cast<const FunctionOnRay*>(self)->slope_over(l);
+    const Dual<Interval> dual = (*f_)(coordinate(0), coordinate(1), coordinate(2));
+    return dual.d;
   }
 
  private:
@@ -131,13 +119,11 @@ struct ImplicitAlongRay {
   void pose(const LocalRay& ray, EquationBlock& block) const {
     if (!is_finite(ray.p) || !std::isfinite(ray.lo) || !std::isfinite(ray.hi))
       return block.settle(Status::failed);
-    using Function = FunctionOnRay<F>;
-    const Function* const self = block.arena().make(surface->on_local(ray));
+    const auto* const self = block.arena().make(surface->on_local(ray));
     constexpr int kUnknown = 0;  // how many roots a callable has
     if (block.form() == Form::scalar)
       return pose_scalar(block, 0, self, ray.lo, ray.hi, kUnknown, ray.seed());
-    block.pose(IntervalEquation{self, &Function::value, &Function::derivative, ray.lo, ray.hi,
-                                sharp_epsilons(block.arena(), 1, 0)});
+    pose_interval(block, 0, self, ray.lo, ray.hi, sharp_epsilons(block.arena(), 1, 0));
   }
   void lift(const LocalRay& /*ray*/, const Posed& /*posed*/, const Root& root,
             std::vector<LocalHit>& hits) const {
@@ -329,7 +315,7 @@ LocalPoint Implicit<F>::describe(const LocalRay& ray, const LocalHit& hit) const
 template <ImplicitFunction F>
 double Implicit<F>::distance_within(const Ray& ray, Interval l) const {
   if (!std::isfinite(lipschitz_)) return 0;
-  return div_down(mul_down(mig(on(ray).over(l)), scale_), lipschitz_);
+  return div_down(mul_down(mig(on(ray).f(l)), scale_), lipschitz_);
 }
 
 template <ImplicitFunction F>

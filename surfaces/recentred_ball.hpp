@@ -51,10 +51,8 @@ void pose_balls(EquationBlock& block, std::span<const DoubleDoubleBall> c, doubl
   const std::span<const Interval> enclosures = rounded(Interval{});
   const auto stored = detail::store_coefficients(block.arena(), enclosures);
   if (!stored.is_finite() || !std::isfinite(hi)) return block.settle(Status::failed);
-  using Function = detail::PolynomialFunction<double>;
-  const Function* const self = block.arena().make(Function{stored});
-  block.pose(IntervalEquation{self, &Function::value, &Function::derivative, lo, hi,
-                              sharp_epsilons(block.arena(), scale, detail::largest(stored.c))});
+  const auto* const self = block.arena().make(detail::PolynomialFunction<double>{stored});
+  pose_interval(block, 0, self, lo, hi, sharp_epsilons(block.arena(), scale, detail::largest(stored.c)));
 }
 
 }  // namespace graze

@@ -148,15 +148,6 @@ struct AlongRay {
     curvature = sqr(point(ray.d.x)) + sqr(point(ray.d.z));
   }
 
-  template <class T>
-  static BasicJet<T> eval(const void* self, T delta) {
-    return static_cast<const AlongRay*>(self)->jet(delta);
-  }
-  static Interval value(const void* self, Interval x) { return static_cast<const AlongRay*>(self)->f(x); }
-  static Interval derivative(const void* self, Interval x) {
-    return static_cast<const AlongRay*>(self)->df(x);
-  }
-
   /// F, F', F''. With t = sqrt(y / 6m): (R^2)' = 3/2 m (1-t)(2+t)(2-2t-3t^2), and
   /// (R^2)'' = -1/4 ((1 + 1/2t)(2-2t-3t^2) + (1-t)(2+t)(3 + 1/t)) in y.
   template <class T>
@@ -224,15 +215,6 @@ struct AlongAxis {
         u(std::hypot(local.o.x, local.o.z)),
         u_enclosed(sqrt(sqr(point(local.o.x)) + sqr(point(local.o.z)))),
         py(recentred_point<Interval>(local)[1]) {}
-
-  template <class T>
-  static BasicJet<T> eval(const void* self, T delta) {
-    return static_cast<const AlongAxis*>(self)->jet(delta);
-  }
-  static Interval value(const void* self, Interval x) { return static_cast<const AlongAxis*>(self)->f(x); }
-  static Interval derivative(const void* self, Interval x) {
-    return static_cast<const AlongAxis*>(self)->df(x);
-  }
 
   template <class T>
   [[nodiscard]] BasicJet<T> jet(T delta) const {
@@ -393,8 +375,7 @@ void TeardropAlongRay::pose_function(const Function& function, const LocalRay& r
   if (block.form() == Form::scalar) {
     pose_scalar(block, 0, self, ray.lo, ray.hi, profile.max_hits(), ray.seed());
   } else {
-    block.pose(IntervalEquation{self, &Function::value, &Function::derivative, ray.lo, ray.hi,
-                                epsilons_along(regions, profile, ray, block.arena())});
+    pose_interval(block, 0, self, ray.lo, ray.hi, epsilons_along(regions, profile, ray, block.arena()));
   }
 }
 

@@ -82,15 +82,6 @@ struct AlongRay {
         p(recentred_point<Interval>(local)) {}
 
   template <class T>
-  static BasicJet<T> eval(const void* self, T delta) {
-    return static_cast<const AlongRay*>(self)->jet(delta);
-  }
-  static Interval value(const void* self, Interval x) { return static_cast<const AlongRay*>(self)->f(x); }
-  static Interval derivative(const void* self, Interval x) {
-    return static_cast<const AlongRay*>(self)->df(x);
-  }
-
-  template <class T>
   [[nodiscard]] BasicJet<T> jet(T delta) const {
     const T r = static_cast<T>(tube), centre = static_cast<T>(ring);
     const T dx = static_cast<T>(ray.d.x), dy = static_cast<T>(ray.d.y), dz = static_cast<T>(ray.d.z);
@@ -142,8 +133,7 @@ void pose_sheet(const TorusProfile& profile, Sheet sheet, const LocalRay& ray, E
   Epsilons epsilons = sharp_epsilons(block.arena(), 1, 0);
   // |F'| = 2 r |d| cos at a hit: below 2^-9 of its size the ray grazes.
   epsilons.shallow = 0x1p-9 * profile.tube * norm(ray.d);
-  block.pose(IntervalEquation{self, &AlongRay::value, &AlongRay::derivative, ray.lo, ray.hi, epsilons},
-             sheet);
+  pose_interval(block, sheet, self, ray.lo, ray.hi, epsilons);
 }
 
 /// A root in delta as a hit.
