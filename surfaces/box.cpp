@@ -5,8 +5,6 @@
 namespace graze {
 namespace {
 
-constexpr std::uint32_t kPlanesOfSlab = 2;
-
 /// Corner i has the upper end in x, y, z where bits 0, 1, 2 of i are set.
 convex::Shape shape_of(Vec3 lo, Vec3 hi) {
   convex::Shape shape;
@@ -66,57 +64,16 @@ Box::Box(const SurfaceSpec& spec) {
   check_extent(lo.y, hi.y, "y");
   check_extent(lo.z, hi.z, "z");
   shape = shape_of(lo, hi);
-  reach = convex::reach_of(shape, unit());
+  measure();
   const Vec3 low = scale_by_power(lo, -unit());
   const Vec3 high = scale_by_power(hi, -unit());
   faces = {BoxFace{0, -1, low.x}, BoxFace{0, 1, high.x}, BoxFace{1, -1, low.y},
            BoxFace{1, 1, high.y}, BoxFace{2, -1, low.z}, BoxFace{2, 1, high.z}};
+  grain = grain_of(faces);
 }
 
-LocalPoint Box::describe(const LocalRay& /*ray*/, const LocalHit& hit) const {
-  return {shape.normals[static_cast<std::size_t>(hit.t)], {hit.t, 0}};
-}
-
-// --------------------------------------------------------------------------------------------- formulations
-
-FormulationInfo BoxExact::info() {
-  return {"exact",
-          "slabs ordered by exact comparisons, then one linear equation a hit",
-          "document 001; Cyrus, Beck 1978, made exact",
-          {Form::polynomial, Form::scalar, Form::interval},
-          1};
-}
-
-BoxExact::BoxExact(const Box& surface) : faces(surface.faces), grain(grain_of(surface.faces)) {}
-
-void BoxExact::pose(const LocalRay& ray, EquationBlock& block) const {
-  convex::pose_exact<BoxFace>(faces, grain, ray, block, kPlanesOfSlab);
-}
-
-void BoxExact::lift(const LocalRay& /*ray*/, const Posed& posed, const Root& root,
-                    std::vector<LocalHit>& hits) const {
-  hits.push_back(convex::hit_of(posed, root, 0));
-}
-
-FormulationInfo BoxSlabs::info() {
-  return {"slabs",
-          "t1 = (lo - o) / d, t2 = (hi - o) / d of each slab in plain arithmetic",
-          "document 001",
-          {Form::polynomial, Form::scalar, Form::interval},
-          1,
-          true};
-}
-
-BoxSlabs::BoxSlabs(const Box& surface) : faces(surface.faces) {}
-
-void BoxSlabs::pose(const LocalRay& ray, EquationBlock& block) const {
-  convex::pose_plain<BoxFace>(faces, ray, block, kPlanesOfSlab);
-}
-
-void BoxSlabs::lift(const LocalRay& ray, const Posed& posed, const Root& root,
-                    std::vector<LocalHit>& hits) const {
-  hits.push_back(convex::hit_of(posed, root, ray.centre));
-}
+template struct convex::Exact<Box>;
+template struct convex::Plain<Box>;
 
 static_assert(SurfaceType<Box>);
 

@@ -16,8 +16,6 @@
 
 namespace graze {
 
-struct Box;
-
 /// side x_axis <= side at, side = +-1.
 struct BoxFace {
   std::size_t axis = 0;
@@ -37,47 +35,24 @@ struct BoxFace {
   }
 };
 
-/// Slabs ordered by exact comparisons.
-struct BoxExact {
-  static FormulationInfo info();
-  explicit BoxExact(const Box& surface);
-  void pose(const LocalRay& ray, EquationBlock& block) const;
-  void lift(const LocalRay& ray, const Posed& posed, const Root& root, std::vector<LocalHit>& hits) const;
-
-  std::array<BoxFace, 6> faces;
-  convex::Grain grain;
-};
-
-/// Document 001's slab test in plain arithmetic.
-struct BoxSlabs {
-  static FormulationInfo info();
-  explicit BoxSlabs(const Box& surface);
-  void pose(const LocalRay& ray, EquationBlock& block) const;
-  void lift(const LocalRay& ray, const Posed& posed, const Root& root, std::vector<LocalHit>& hits) const;
-
-  std::array<BoxFace, 6> faces;
-};
-
-struct Box {
-  using Formulations = std::tuple<BoxExact, BoxSlabs>;
+struct Box : convex::Solid {
+  using Formulations = std::tuple<convex::Exact<Box>, convex::Plain<Box>>;
+  static constexpr convex::Wording kWording{
+      .exact_summary = "slabs ordered by exact comparisons, then one linear equation a hit",
+      .exact_source = "document 001; Cyrus, Beck 1978, made exact",
+      .plain_name = "slabs",
+      .plain_summary = "t1 = (lo - o) / d, t2 = (hi - o) / d of each slab in plain arithmetic",
+      .plain_source = "document 001"};
+  static constexpr std::uint32_t kPlanesATest = 2;  ///< those of a slab
 
   static SurfaceInfo info();
   static Parameters scaled(const Parameters& parameters, double factor);
   explicit Box(const SurfaceSpec& spec);
-  [[nodiscard]] int unit() const { return exponent_of(size()); }
-  [[nodiscard]] double size() const { return shape.size(); }
-  [[nodiscard]] Bounds bounds() const { return shape.bounds(); }
-  [[nodiscard]] bool clip(LocalRay& ray) const {
-    reach.clip(ray);
-    return true;
-  }
-  [[nodiscard]] LocalPoint describe(const LocalRay& ray, const LocalHit& hit) const;
-  [[nodiscard]] SurfaceSample sample(double u, double v) const { return shape.sample(u, v); }
-  [[nodiscard]] Landmarks landmarks() const { return shape.landmarks(); }
 
-  convex::Shape shape;
-  convex::Reach reach;
   std::array<BoxFace, 6> faces;  ///< in local units
 };
+
+extern template struct convex::Exact<Box>;
+extern template struct convex::Plain<Box>;
 
 }  // namespace graze

@@ -346,61 +346,16 @@ ConvexPolyhedron::ConvexPolyhedron(const SurfaceSpec& spec) {
   const Rows rows(spec.parameters);
   const int first_unit = rows.farthest();
   shape = shape_of(rows.planes(first_unit), first_unit);
-  unit_ = exponent_of(shape.size());
-  reach = convex::reach_of(shape, unit_);
-  faces = rows.planes(unit_);
+  measure();
+  faces = rows.planes(unit());
   for (const HalfspaceFace& face : faces) {
     grain.normal = grain.normal | convex::Bits(face.n);
     grain.offset = grain.offset | convex::Bits(face.b);
   }
 }
 
-LocalPoint ConvexPolyhedron::describe(const LocalRay& /*ray*/, const LocalHit& hit) const {
-  return {shape.normals[static_cast<std::size_t>(hit.t)], {hit.t, 0}};
-}
-
-// --------------------------------------------------------------------------------------------- formulations
-
-FormulationInfo ConvexPolyhedronExact::info() {
-  return {"exact",
-          "planes ordered by exact comparisons, then one linear equation a hit",
-          "document 004; Cyrus, Beck 1978, made exact",
-          {Form::polynomial, Form::scalar, Form::interval},
-          1};
-}
-
-ConvexPolyhedronExact::ConvexPolyhedronExact(const ConvexPolyhedron& surface)
-    : faces(surface.faces), grain(surface.grain) {}
-
-void ConvexPolyhedronExact::pose(const LocalRay& ray, EquationBlock& block) const {
-  convex::pose_exact<HalfspaceFace>(faces, grain, ray, block);
-}
-
-void ConvexPolyhedronExact::lift(const LocalRay& /*ray*/, const Posed& posed, const Root& root,
-                                 std::vector<LocalHit>& hits) const {
-  hits.push_back(convex::hit_of(posed, root, 0));
-}
-
-FormulationInfo ConvexPolyhedronCyrusBeck::info() {
-  return {"cyrus_beck",
-          "entering and leaving planes in plain arithmetic",
-          "document 004; Cyrus, Beck 1978",
-          {Form::polynomial, Form::scalar, Form::interval},
-          1,
-          true};
-}
-
-ConvexPolyhedronCyrusBeck::ConvexPolyhedronCyrusBeck(const ConvexPolyhedron& surface)
-    : faces(surface.faces) {}
-
-void ConvexPolyhedronCyrusBeck::pose(const LocalRay& ray, EquationBlock& block) const {
-  convex::pose_plain<HalfspaceFace>(faces, ray, block);
-}
-
-void ConvexPolyhedronCyrusBeck::lift(const LocalRay& ray, const Posed& posed, const Root& root,
-                                     std::vector<LocalHit>& hits) const {
-  hits.push_back(convex::hit_of(posed, root, ray.centre));
-}
+template struct convex::Exact<ConvexPolyhedron>;
+template struct convex::Plain<ConvexPolyhedron>;
 
 static_assert(SurfaceType<ConvexPolyhedron>);
 

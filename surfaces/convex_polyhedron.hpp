@@ -19,8 +19,6 @@
 
 namespace graze {
 
-struct ConvexPolyhedron;
-
 /// n.x <= b, where the largest |n_i| lies in [1, 2).
 struct HalfspaceFace {
   Vec3 n;
@@ -43,53 +41,25 @@ struct HalfspaceFace {
   }
 };
 
-/// Cyrus and Beck with exact comparisons.
-struct ConvexPolyhedronExact {
-  static FormulationInfo info();
-  explicit ConvexPolyhedronExact(const ConvexPolyhedron& surface);
-  void pose(const LocalRay& ray, EquationBlock& block) const;
-  void lift(const LocalRay& ray, const Posed& posed, const Root& root, std::vector<LocalHit>& hits) const;
-
-  std::vector<HalfspaceFace> faces;
-  convex::Grain grain;
-};
-
-/// Cyrus and Beck in plain arithmetic.
-struct ConvexPolyhedronCyrusBeck {
-  static FormulationInfo info();
-  explicit ConvexPolyhedronCyrusBeck(const ConvexPolyhedron& surface);
-  void pose(const LocalRay& ray, EquationBlock& block) const;
-  void lift(const LocalRay& ray, const Posed& posed, const Root& root, std::vector<LocalHit>& hits) const;
-
-  std::vector<HalfspaceFace> faces;
-};
-
-struct ConvexPolyhedron {
-  using Formulations = std::tuple<ConvexPolyhedronExact, ConvexPolyhedronCyrusBeck>;
+struct ConvexPolyhedron : convex::Solid {
+  using Formulations = std::tuple<convex::Exact<ConvexPolyhedron>, convex::Plain<ConvexPolyhedron>>;
+  static constexpr convex::Wording kWording{
+      .exact_summary = "planes ordered by exact comparisons, then one linear equation a hit",
+      .exact_source = "document 004; Cyrus, Beck 1978, made exact",
+      .plain_name = "cyrus_beck",
+      .plain_summary = "entering and leaving planes in plain arithmetic",
+      .plain_source = "document 004; Cyrus, Beck 1978"};
   /// Building looks at every triple of planes: 0.6 s for this many (surfaces/convex_polyhedron.md).
   static constexpr std::size_t kMostHalfspaces = 128;
 
   static SurfaceInfo info();
   static Parameters scaled(const Parameters& parameters, double factor);
   explicit ConvexPolyhedron(const SurfaceSpec& spec);
-  [[nodiscard]] int unit() const { return unit_; }
-  [[nodiscard]] double size() const { return shape.size(); }
-  [[nodiscard]] Bounds bounds() const { return shape.bounds(); }
-  [[nodiscard]] bool clip(LocalRay& ray) const {
-    reach.clip(ray);
-    return true;
-  }
-  [[nodiscard]] LocalPoint describe(const LocalRay& ray, const LocalHit& hit) const;
-  [[nodiscard]] SurfaceSample sample(double u, double v) const { return shape.sample(u, v); }
-  [[nodiscard]] Landmarks landmarks() const { return shape.landmarks(); }
 
-  convex::Shape shape;
-  convex::Reach reach;
   std::vector<HalfspaceFace> faces;  ///< in local units
-  convex::Grain grain;
-
- private:
-  int unit_;
 };
+
+extern template struct convex::Exact<ConvexPolyhedron>;
+extern template struct convex::Plain<ConvexPolyhedron>;
 
 }  // namespace graze

@@ -4,7 +4,8 @@
 // solves    entering planes (n.d < 0) and leaving planes (n.d > 0) are crossed at l_i = (b_i - n_i.o) /
 //           (n_i.d); l_in = the largest entering one, l_out = the smallest leaving one; the line meets the
 //           solid if l_in <= l_out and no parallel plane (n.d = 0) has it outside
-// needs     faces with `template <class T> T top(ray)` = b - n.o and `T bottom(ray)` = n.d (up to one
+// needs     a surface derived from Solid whose `faces` have `template <class T> T top(ray)` = b - n.o and `T
+// bottom(ray)` = n.d (up to one
 //           positive factor for both), for T = double, float, Interval and Expansion, and a Grain that
 //           bounds their bits
 // returns   miss, through, touch (l_in = l_out), coincident (a stretch of the ray lies in a plane and in
@@ -24,6 +25,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <graze/surfaces/coefficients.hpp>
@@ -354,7 +356,7 @@ Place place_of(const Face& face, const Grain& grain, const Lifted& line) {
 /// at `planes_a_test` planes (a slab's two).
 template <class Face>
 void pose_exact(std::span<const Face> faces, const Grain& grain, const LocalRay& ray, EquationBlock& block,
-                std::uint32_t planes_a_test = 1) {
+                std::uint32_t planes_a_test) {
   const Lifted line = lifted(ray);
   const Passage passage = ExactClipping<Face>(faces, grain, line.ray).run();
   block.spend((passage.tests + planes_a_test - 1) / planes_a_test);
@@ -373,7 +375,7 @@ void pose_exact(std::span<const Face> faces, const Grain& grain, const LocalRay&
 /// Decisions and equations in plain arithmetic; the unknown is l itself.
 template <class Face>
 void pose_plain(std::span<const Face> faces, const LocalRay& ray, EquationBlock& block,
-                std::uint32_t planes_a_test = 1) {
+                std::uint32_t planes_a_test) {
   const bool wide = block.precision() == Precision::binary64;
   const Passage passage = wide ? plain_passage<double>(faces, ray) : plain_passage<float>(faces, ray);
   block.spend((passage.tests + planes_a_test - 1) / planes_a_test);
@@ -472,6 +474,116 @@ struct Reach {
 inline Reach reach_of(const Shape& shape, int unit) {
   // Twice the size: rounded corners and a rounded middle stay inside.
   return {scale_by_power(shape.centre(), -unit), 2 * scale_by_power(shape.size(), -unit)};
+}
+
+// ---------------------------------------------------------------------------------- surface and formulations
+
+/// What `graze list` says of a solid's formulations.
+struct Wording {
+  std::string_view exact_summary, exact_source;
+  std::string_view plain_name, plain_summary, plain_source;
+};
+
+/// What a solid's surface type has in common with the others: it adds its `faces`, in local units, its
+/// `kWording` and its constructor, which fills in the shape and calls `measure` once the vertices are known.
+struct Solid {
+  static constexpr std::uint32_t kPlanesATest = 1;
+
+  [[nodiscard]] int unit() const { return unit_; }
+  [[nodiscard]] double size() const { return shape.size(); }
+  [[nodiscard]] Bounds bounds() const { return shape.bounds(); }
+  [[nodiscard]] bool clip(LocalRay& ray) const {
+    reach.clip(ray);
+    return true;
+  }
+  [[nodiscard]] LocalPoint describe(const LocalRay& /*ray*/, const LocalHit& hit) const {
+    return {shape.normals[static_cast<std::size_t>(hit.t)], {hit.t, 0}};
+  }
+  [[nodiscard]] SurfaceSample sample(double u, double v) const { return shape.sample(u, v); }
+  [[nodiscard]] Landmarks landmarks() const { return shape.landmarks(); }
+
+  Shape shape;
+  Reach reach;
+  Grain grain;  ///< of the faces
+
+ protected:
+  /// Sets the local frame by the shape's vertices.
+  void measure() {
+    unit_ = exponent_of(shape.size());
+    reach = reach_of(shape, unit_);
+  }
+
+ private:
+  int unit_ = 0;
+};
+
+/// Cyrus and Beck with exact comparisons.
+template <class S>
+struct Exact {
+  using Faces = decltype(S::faces);
+  using Face = typename Faces::value_type;
+
+  static FormulationInfo info();
+  explicit Exact(const S& surface) : faces(surface.faces), grain(surface.grain) {}
+  void pose(const LocalRay& ray, EquationBlock& block) const;
+  void lift(const LocalRay& ray, const Posed& posed, const Root& root, std::vector<LocalHit>& hits) const;
+
+  Faces faces;
+  Grain grain;
+};
+
+/// Cyrus and Beck in plain arithmetic.
+template <class S>
+struct Plain {
+  using Faces = decltype(S::faces);
+  using Face = typename Faces::value_type;
+
+  static FormulationInfo info();
+  explicit Plain(const S& surface) : faces(surface.faces) {}
+  void pose(const LocalRay& ray, EquationBlock& block) const;
+  void lift(const LocalRay& ray, const Posed& posed, const Root& root, std::vector<LocalHit>& hits) const;
+
+  Faces faces;
+};
+
+template <class S>
+FormulationInfo Exact<S>::info() {
+  const Wording& words = S::kWording;
+  return {
+      "exact", words.exact_summary, words.exact_source, {Form::polynomial, Form::scalar, Form::interval}, 1};
+}
+
+template <class S>
+void Exact<S>::pose(const LocalRay& ray, EquationBlock& block) const {
+  pose_exact<Face>(faces, grain, ray, block, S::kPlanesATest);
+}
+
+template <class S>
+void Exact<S>::lift(const LocalRay& /*ray*/, const Posed& posed, const Root& root,
+                    std::vector<LocalHit>& hits) const {
+  hits.push_back(hit_of(posed, root, 0));
+}
+
+template <class S>
+FormulationInfo Plain<S>::info() {
+  const Wording& words = S::kWording;
+  return {words.plain_name,
+          words.plain_summary,
+          words.plain_source,
+          {Form::polynomial, Form::scalar, Form::interval},
+          1,
+          true};
+}
+
+template <class S>
+void Plain<S>::pose(const LocalRay& ray, EquationBlock& block) const {
+  pose_plain<Face>(faces, ray, block, S::kPlanesATest);
+}
+
+template <class S>
+void Plain<S>::lift(const LocalRay& ray, const Posed& posed, const Root& root,
+                    std::vector<LocalHit>& hits) const {
+  hits.push_back(hit_of(posed, root, ray.centre));
 }
 
 }  // namespace graze::convex

@@ -63,6 +63,7 @@ Parameters Tetrahedron::scaled(const Parameters& parameters, double factor) {
 
 Tetrahedron::Tetrahedron(const SurfaceSpec& spec) {
   shape.vertices = read_vertices(spec.parameters);
+  measure();
   std::array<Vec3, 4> local;
   convex::Bits length;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -70,7 +71,6 @@ Tetrahedron::Tetrahedron(const SurfaceSpec& spec) {
     length = length | convex::Bits(local[i]);
   }
   grain = {length * length, length * length * length};
-  reach = convex::reach_of(shape, unit());
   for (std::uint32_t i = 0; i < 4; ++i) {
     faces[i] = face_opposite(local, i, grain.normal);
     const auto& [x, y, z] = faces[i].normal;
@@ -80,50 +80,8 @@ Tetrahedron::Tetrahedron(const SurfaceSpec& spec) {
   }
 }
 
-LocalPoint Tetrahedron::describe(const LocalRay& /*ray*/, const LocalHit& hit) const {
-  return {shape.normals[static_cast<std::size_t>(hit.t)], {hit.t, 0}};
-}
-
-// --------------------------------------------------------------------------------------------- formulations
-
-FormulationInfo TetrahedronExact::info() {
-  return {"exact",
-          "planes ordered by exact comparisons, then one linear equation a hit",
-          "document 004; Cyrus, Beck 1978, made exact",
-          {Form::polynomial, Form::scalar, Form::interval},
-          1};
-}
-
-TetrahedronExact::TetrahedronExact(const Tetrahedron& surface) : faces(surface.faces), grain(surface.grain) {}
-
-void TetrahedronExact::pose(const LocalRay& ray, EquationBlock& block) const {
-  convex::pose_exact<TetrahedronFace>(faces, grain, ray, block);
-}
-
-void TetrahedronExact::lift(const LocalRay& /*ray*/, const Posed& posed, const Root& root,
-                            std::vector<LocalHit>& hits) const {
-  hits.push_back(convex::hit_of(posed, root, 0));
-}
-
-FormulationInfo TetrahedronCyrusBeck::info() {
-  return {"cyrus_beck",
-          "entering and leaving planes in plain arithmetic, with rounded normals",
-          "document 004; Cyrus, Beck 1978",
-          {Form::polynomial, Form::scalar, Form::interval},
-          1,
-          true};
-}
-
-TetrahedronCyrusBeck::TetrahedronCyrusBeck(const Tetrahedron& surface) : faces(surface.faces) {}
-
-void TetrahedronCyrusBeck::pose(const LocalRay& ray, EquationBlock& block) const {
-  convex::pose_plain<TetrahedronFace>(faces, ray, block);
-}
-
-void TetrahedronCyrusBeck::lift(const LocalRay& ray, const Posed& posed, const Root& root,
-                                std::vector<LocalHit>& hits) const {
-  hits.push_back(convex::hit_of(posed, root, ray.centre));
-}
+template struct convex::Exact<Tetrahedron>;
+template struct convex::Plain<Tetrahedron>;
 
 static_assert(SurfaceType<Tetrahedron>);
 

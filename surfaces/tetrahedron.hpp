@@ -16,8 +16,6 @@
 
 namespace graze {
 
-struct Tetrahedron;
-
 /// The side of the plane a, b, c from which these run clockwise: n.x <= n.a, n = (b - a) x (c - a).
 struct TetrahedronFace {
   Vec3 a, b, c;
@@ -60,48 +58,23 @@ struct TetrahedronFace {
   }
 };
 
-/// Cyrus and Beck with exact comparisons.
-struct TetrahedronExact {
-  static FormulationInfo info();
-  explicit TetrahedronExact(const Tetrahedron& surface);
-  void pose(const LocalRay& ray, EquationBlock& block) const;
-  void lift(const LocalRay& ray, const Posed& posed, const Root& root, std::vector<LocalHit>& hits) const;
-
-  std::array<TetrahedronFace, 4> faces;
-  convex::Grain grain;
-};
-
-/// Cyrus and Beck in plain arithmetic, with rounded normals.
-struct TetrahedronCyrusBeck {
-  static FormulationInfo info();
-  explicit TetrahedronCyrusBeck(const Tetrahedron& surface);
-  void pose(const LocalRay& ray, EquationBlock& block) const;
-  void lift(const LocalRay& ray, const Posed& posed, const Root& root, std::vector<LocalHit>& hits) const;
-
-  std::array<TetrahedronFace, 4> faces;
-};
-
-struct Tetrahedron {
-  using Formulations = std::tuple<TetrahedronExact, TetrahedronCyrusBeck>;
+struct Tetrahedron : convex::Solid {
+  using Formulations = std::tuple<convex::Exact<Tetrahedron>, convex::Plain<Tetrahedron>>;
+  static constexpr convex::Wording kWording{
+      .exact_summary = "planes ordered by exact comparisons, then one linear equation a hit",
+      .exact_source = "document 004; Cyrus, Beck 1978, made exact",
+      .plain_name = "cyrus_beck",
+      .plain_summary = "entering and leaving planes in plain arithmetic, with rounded normals",
+      .plain_source = "document 004; Cyrus, Beck 1978"};
 
   static SurfaceInfo info();
   static Parameters scaled(const Parameters& parameters, double factor);
   explicit Tetrahedron(const SurfaceSpec& spec);
-  [[nodiscard]] int unit() const { return exponent_of(size()); }
-  [[nodiscard]] double size() const { return shape.size(); }
-  [[nodiscard]] Bounds bounds() const { return shape.bounds(); }
-  [[nodiscard]] bool clip(LocalRay& ray) const {
-    reach.clip(ray);
-    return true;
-  }
-  [[nodiscard]] LocalPoint describe(const LocalRay& ray, const LocalHit& hit) const;
-  [[nodiscard]] SurfaceSample sample(double u, double v) const { return shape.sample(u, v); }
-  [[nodiscard]] Landmarks landmarks() const { return shape.landmarks(); }
 
-  convex::Shape shape;
-  convex::Reach reach;
   std::array<TetrahedronFace, 4> faces;  ///< in local units
-  convex::Grain grain;
 };
+
+extern template struct convex::Exact<Tetrahedron>;
+extern template struct convex::Plain<Tetrahedron>;
 
 }  // namespace graze
