@@ -35,8 +35,8 @@ void check_extent(double lo, double hi, const std::string& axis) {
 }
 
 convex::Grain grain_of(const std::array<BoxFace, 6>& faces) {
-  convex::Grain grain{convex::Bits(1.0), {}};
-  for (const BoxFace& face : faces) grain.offset = grain.offset | convex::Bits(face.at);
+  convex::Grain grain{Bits(1.0), {}};
+  for (const BoxFace& face : faces) grain.offset = grain.offset | Bits(face.at);
   return grain;
 }
 

@@ -27,13 +27,6 @@ Vector3<T> outer(const Vector3<T>& a, const Vector3<T>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// The exact sign, also where intervals say "exactly zero".
-template <class Formula>
-int sign_of(const Formula& formula) {
-  if (const std::optional<int> told = convex::sign_of(formula(Interval{}))) return *told;
-  return formula(Expansion{}).sign();
-}
-
 // ------------------------------------------------------------------------------------------------- corners
 
 /// A corner of the solid and all planes through it.
@@ -87,7 +80,7 @@ class CornerSearch {
 
   void examine(const Triple& triple) {
     const Meeting<Interval> quick = meeting<Interval>(triple);
-    const int side = sign_of([&](auto number) { return meeting<decltype(number)>(triple).w; });
+    const int side = exact_sign([&](auto number) { return meeting<decltype(number)>(triple).w; });
     if (side == 0) return;
     has_full_rank_ = true;
     if (is_surely_outside(quick, side) || is_known(triple)) return;
@@ -119,7 +112,7 @@ class CornerSearch {
     std::optional<Meeting<Expansion>> exact;
     for (std::size_t m = 0; m < planes_.size(); ++m) {
       if (through.test(m)) continue;
-      std::optional<int> height = convex::sign_of(quick.height(planes_[m]));
+      std::optional<int> height = sign_of(quick.height(planes_[m]));
       if (!height) {
         if (!exact) exact = meeting<Expansion>(triple);
         height = exact->height(planes_[m]).sign();
@@ -152,7 +145,7 @@ std::vector<std::size_t> missing_axes(std::span<const HalfspaceFace> planes) {
           using T = decltype(number);
           return outer(vector_as<T>(p.n), vector_as<T>(q.n))[axis];
         };
-        if (sign_of(part) != 0) return {axis};
+        if (exact_sign(part) != 0) return {axis};
       }
     }
   }
@@ -180,7 +173,7 @@ bool has_free_direction(std::span<const HalfspaceFace> planes) {
       int least = 0, greatest = 0;
       bool is_edge = false;
       for (const HalfspaceFace& plane : planes) {
-        const int sign = sign_of([&](auto number) {
+        const int sign = exact_sign([&](auto number) {
           using T = decltype(number);
           return inner(vector_as<T>(plane.n), outer(vector_as<T>(planes[i].n), vector_as<T>(planes[j].n)));
         });
@@ -229,7 +222,7 @@ bool is_edge(const PlaneSet& common, std::span<const HalfspaceFace> planes) {
         using T = decltype(number);
         return outer(vector_as<T>(planes[*first].n), vector_as<T>(planes[i].n))[k];
       };
-      if (sign_of(part) != 0) return true;
+      if (exact_sign(part) != 0) return true;
     }
   }
   return false;
@@ -349,8 +342,8 @@ ConvexPolyhedron::ConvexPolyhedron(const SurfaceSpec& spec) {
   measure();
   faces = rows.planes(unit());
   for (const HalfspaceFace& face : faces) {
-    grain.normal = grain.normal | convex::Bits(face.n);
-    grain.offset = grain.offset | convex::Bits(face.b);
+    grain.normal = grain.normal | Bits(face.n);
+    grain.offset = grain.offset | Bits(face.b);
   }
 }
 

@@ -19,7 +19,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -35,33 +34,6 @@
 namespace graze::convex {
 
 // ------------------------------------------------------------------------------------- range of exact sums
-
-/// A number is a multiple of 2^low and below 2^high; zero leaves every range as it is.
-struct Bits {
-  int low = std::numeric_limits<int>::max() / 8;
-  int high = std::numeric_limits<int>::min() / 8;
-
-  Bits() = default;
-  Bits(int lowest, int highest) : low(lowest), high(highest) {}
-  explicit Bits(double x) {
-    if (x == 0) return;
-    // A double is its significand times 2^(exponent - 52), and its low zero bits count upwards from there.
-    const int scale = std::max(exponent_of(x), -1022) - 52;
-    const std::uint64_t bits = std::bit_cast<std::uint64_t>(x) & ((std::uint64_t{1} << 52U) - 1);
-    low = scale + (bits == 0 ? 52 : std::countr_zero(bits));
-    high = exponent_of(x) + 1;
-  }
-  explicit Bits(Vec3 v) : Bits(Bits(v.x) | Bits(v.y) | Bits(v.z)) {}
-
-  /// Of a sum's terms.
-  friend Bits operator|(Bits a, Bits b) { return {std::min(a.low, b.low), std::max(a.high, b.high)}; }
-  friend Bits operator*(Bits a, Bits b) { return {a.low + b.low, a.high + b.high}; }
-  /// Sums of up to 2^kSum such numbers are exact: no bit is lost below, and nothing overflows.
-  [[nodiscard]] bool is_exact() const {
-    constexpr int kSum = 20;
-    return low >= -1074 && high + kSum <= 1023;
-  }
-};
 
 /// Bits of every monomial of a solid's n and b.
 struct Grain {
@@ -82,14 +54,6 @@ inline Lifted lifted(const LocalRay& ray) {
   Lifted result{ray, kLift};
   result.ray.d = scale_by_power(ray.d, kLift);
   return result;
-}
-
-/// The sign of a number within x, where x tells.
-inline std::optional<int> sign_of(const Interval& x) {
-  if (x.lo > 0) return 1;
-  if (x.hi < 0) return -1;
-  if (x == Interval{}) return 0;
-  return std::nullopt;
 }
 
 /// A double with a bound on its error: a first filter, several times quicker than intervals. Every bound
@@ -216,8 +180,7 @@ class ExactClipping {
   /// The sign of what `quick` encloses; 0, and undecided, when its bits are beyond exact sums.
   template <class Exact>
   int sign(const Interval& quick, const Bits& bits, const Exact& exact) {
-    if (const std::optional<int> told = sign_of(quick)) return *told;
-    if (bits.is_exact()) return exact().sign();
+    if (const std::optional<int> told = sign_of(quick, bits.is_exact(), exact)) return *told;
     is_undecided_ = true;
     is_open_ = false;
     return 0;
@@ -263,18 +226,6 @@ Passage plain_passage(std::span<const Face> faces, const LocalRay& ray) {
 }
 
 // ------------------------------------------------------------------------------------------------ equations
-
-/// An enclosure of the formula within 1 ulp where its bits allow exact sums; a point where it is a double.
-template <class Formula>
-Interval sharp_enclosure(const Formula& formula, const Bits& bits) {
-  constexpr double kOneUlp = 0x1p-52;
-  const Interval quick = formula(Interval{});
-  if (width(quick) <= kOneUlp * mig(quick) || !bits.is_exact()) return quick;
-  const Expansion exact = formula(Expansion{});
-  const double value = exact.value();
-  if (exact.parts().size() <= 1) return point(value);
-  return {next_below(value), next_above(value)};
-}
 
 /// A posed equation's kind is its face, and whether the ray only touches there.
 inline constexpr std::uint32_t kTouch = std::uint32_t{1} << 31U;

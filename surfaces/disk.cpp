@@ -17,11 +17,10 @@ FormulationInfo DiskExact::info() {
 }
 
 void DiskExact::pose(const LocalRay& ray, EquationBlock& block) const {
-  const planar::BitRange x =
-      planar::bits_of(ray.o) + planar::bits_of(data.centre) + planar::bits_of(data.radius);
-  const planar::BitRange side = data.plane.n_bits * x * planar::bits_of(ray.d);
+  const Bits x = planar::bits_of(ray.o) | planar::bits_of(data.centre) | planar::bits_of(data.radius);
+  const Bits side = data.plane.n_bits * x * planar::bits_of(ray.d);
   planar::pose_exact(
-      block, ray, data.plane, (side * side).is_exact(),
+      block, ray, data.plane, planar::is_exact(side * side),
       [&](planar::Judge& judge) {
         block.spend(1);
         return is_inside(ray, judge);
@@ -144,7 +143,7 @@ Disk::Disk(const SurfaceSpec& spec)
              planar::scaled_number(n.z, -exponent, plane.exact)};
   plane.note_bits();
   plane.exact =
-      plane.exact && is_finite(data.centre) && (plane.n_bits * planar::bits_of(data.centre)).is_exact();
+      plane.exact && is_finite(data.centre) && planar::is_exact(plane.n_bits * planar::bits_of(data.centre));
   if (plane.exact) {
     plane.b = planar::ExactNumber(
         planar::inner(plane.normal<Expansion>(), planar::exactly<Expansion>(data.centre)));

@@ -16,11 +16,11 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -34,44 +34,22 @@ namespace graze::planar {
 
 // --------------------------------------------------------------------------------------------- exact numbers
 
-/// Numbers that are multiples of 2^lowest and smaller than 2^highest in magnitude.
-struct BitRange {
-  int lowest = 0;
-  int highest = 0;
-
-  void see(double x) {
-    if (x == 0 || !std::isfinite(x)) return;
-    const std::uint64_t bits = std::bit_cast<std::uint64_t>(x);
-    const std::uint64_t fraction = bits & 0x000f'ffff'ffff'ffffULL;
-    const int biased = static_cast<int>(bits >> 52U & 0x7ffU);
-    const std::uint64_t significand = biased == 0 ? fraction : fraction | std::uint64_t{1} << 52U;
-    lowest = std::min(lowest, std::max(biased, 1) - 1075 + std::countr_zero(significand));
-    highest = std::max(highest, exponent_of(x) + 1);
-  }
-  void see(Vec3 v) {
-    see(v.x);
-    see(v.y);
-    see(v.z);
-  }
-  /// Of products of one number of each range.
-  friend BitRange operator*(BitRange a, BitRange b) { return {a.lowest + b.lowest, a.highest + b.highest}; }
-  /// Of sums of one number of each range.
-  friend BitRange operator+(BitRange a, BitRange b) {
-    return {std::min(a.lowest, b.lowest), std::max(a.highest, b.highest)};
-  }
-  /// Expansions hold such numbers: no part below the least subnormal, sums of 2^20 terms below 2^1022.
-  [[nodiscard]] bool is_exact() const { return lowest >= -1074 && highest <= 1000; }
-};
-
-inline BitRange bits_of(Vec3 v) {
-  BitRange range;
-  range.see(v);
-  return range;
+/// The bits of a number and of zero, taken for a multiple of 2^0; what is not finite does not count.
+inline Bits bits_of(double x) {
+  const Bits zero(0, 0);
+  return std::isfinite(x) ? zero | Bits(x) : zero;
 }
-inline BitRange bits_of(double x) {
-  BitRange range;
-  range.see(x);
-  return range;
+inline Bits bits_of(Vec3 v) { return bits_of(v.x) | bits_of(v.y) | bits_of(v.z); }
+inline Bits bits_of(std::span<const Vec3> points) {
+  Bits bits(0, 0);
+  for (const Vec3& v : points) bits = bits | bits_of(v);
+  return bits;
+}
+
+/// Expansions hold such numbers: no part below the least subnormal, sums of 2^23 terms below 2^1023.
+inline bool is_exact(const Bits& bits) {
+  constexpr int kSum = 23;
+  return bits.is_exact(kSum);
 }
 
 /// A number known exactly, with the enclosure that decides most questions faster.
@@ -93,16 +71,10 @@ struct ExactNumber {
       return static_cast<T>(mid(near));
     }
   }
-  [[nodiscard]] BitRange bits() const {
-    BitRange range;
-    for (const double part : exact.parts()) range.see(part);
-    return range;
-  }
-
- private:
-  static Interval enclose(const Expansion& x) {
-    const double value = x.value();
-    return x.parts().size() <= 1 ? point(value) : Interval{next_below(value), next_above(value)};
+  [[nodiscard]] Bits bits() const {
+    Bits bits = bits_of(0);
+    for (const double part : exact.parts()) bits = bits | bits_of(part);
+    return bits;
   }
 };
 
@@ -124,21 +96,16 @@ class Judge {
   /// -1, 0, 1; a sign that nothing can tell makes the judge `undecided`.
   template <class Formula>
   int sign(const Formula& formula) {
-    const Interval quick = formula(Interval{});
-    if (quick.lo > 0) return 1;
-    if (quick.hi < 0) return -1;
-    if (quick == Interval{}) return 0;
-    if (exact_) return formula(Expansion{}).sign();
-    undecided_ = true;
-    return 0;
+    const std::optional<int> told =
+        sign_of(formula(Interval{}), exact_, [&] { return formula(Expansion{}); });
+    undecided_ = undecided_ || !told;
+    return told.value_or(0);
   }
 
   /// An enclosure no wider than `relative` times its magnitude, as far as the numbers allow.
   template <class Formula>
   [[nodiscard]] Interval enclosure(const Formula& formula, double relative = kSharp) const {
-    const Interval quick = formula(Interval{});
-    if (width(quick) <= relative * mig(quick) || !exact_) return quick;
-    return ExactNumber(formula(Expansion{})).near;
+    return sharp_enclosure(formula, exact_, relative);
   }
 
   [[nodiscard]] bool undecided() const { return undecided_; }
@@ -205,7 +172,7 @@ struct ExactPlane {
   Array3<ExactNumber> n;
   ExactNumber b;
   bool exact = true;  ///< false: expansions do not hold these numbers, enclosures only
-  BitRange n_bits, b_bits;
+  Bits n_bits, b_bits;
 
   template <class T>
   [[nodiscard]] Array3<T> normal() const {
@@ -225,13 +192,13 @@ struct ExactPlane {
     return inner(normal<T>(), x) - b.as<T>();
   }
   void note_bits() {
-    n_bits = n[0].bits() + n[1].bits() + n[2].bits();
+    n_bits = n[0].bits() | n[1].bits() | n[2].bits();
     b_bits = b.bits();
   }
   /// Whether expansions are exact for slope and height of this ray.
   [[nodiscard]] bool holds(const LocalRay& ray) const {
-    const BitRange along = bits_of(ray.d) * bits_of(ray.centre);
-    return exact && (n_bits * (bits_of(ray.o) + along + bits_of(ray.d))).is_exact() && b_bits.is_exact();
+    const Bits along = bits_of(ray.d) * bits_of(ray.centre);
+    return exact && is_exact(n_bits * (bits_of(ray.o) | along | bits_of(ray.d))) && is_exact(b_bits);
   }
 };
 
@@ -252,9 +219,8 @@ Array3<T> newell_normal(std::span<const Vec3> v) {
 /// about 1 by a power of two (so that it does not underflow in float). n may be zero: see is_degenerate.
 inline ExactPlane plane_of(std::span<const Vec3> v) {
   ExactPlane plane;
-  BitRange x;
-  for (const Vec3& vertex : v) x.see(vertex);
-  plane.exact = (x * x * x).is_exact();
+  const Bits x = bits_of(v);
+  plane.exact = is_exact(x * x * x);
   if (!plane.exact) {
     const auto n = newell_normal<Interval>(v);
     for (std::size_t i = 0; i < 3; ++i) plane.n[i].near = n[i];

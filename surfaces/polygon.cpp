@@ -17,7 +17,7 @@ class Outline {
       : v_(data.vertices),
         i_((data.dropped + 1) % 3),
         j_((data.dropped + 2) % 3),
-        exact_((data.bits * data.bits).is_exact()) {}
+        exact_(planar::is_exact(data.bits * data.bits)) {}
 
   [[nodiscard]] std::size_t size() const { return v_.size(); }
 
@@ -90,8 +90,8 @@ void check_edges(std::span<const Vec3> v) {
 /// 2^7 ulps of room.
 void check_planar(const PolygonData& data, double size) {
   constexpr double kTolerance = 0x1p-46;
-  const planar::BitRange height = data.plane.n_bits * data.bits;
-  planar::Judge judge(data.plane.exact && (height * height).is_exact());
+  const Bits height = data.plane.n_bits * data.bits;
+  planar::Judge judge(data.plane.exact && planar::is_exact(height * height));
   const auto base = data.vertices[0];
   for (std::size_t i = 1; i < data.vertices.size(); ++i) {
     const int beyond = judge.sign([&](auto number) {
@@ -136,8 +136,8 @@ FormulationInfo PolygonExact::info() {
 }
 
 void PolygonExact::pose(const LocalRay& ray, EquationBlock& block) const {
-  const planar::BitRange x = data->bits + planar::bits_of(ray.o);
-  const bool exact = (x * x * (x + planar::bits_of(ray.d))).is_exact();
+  const Bits x = data->bits | planar::bits_of(ray.o);
+  const bool exact = planar::is_exact(x * x * (x | planar::bits_of(ray.d)));
   const auto edges = static_cast<std::uint32_t>(data->vertices.size());
   planar::pose_exact(
       block, ray, data->plane, exact,
@@ -255,10 +255,8 @@ Polygon::Polygon(const SurfaceSpec& spec) : vertices_(planar::vertices_of(spec))
   check_edges(vertices_);
   size_ = planar::extent_of(vertices_);
   unit_ = exponent_of(size_);
-  for (const Vec3& v : vertices_) {
-    data.vertices.push_back(scale_by_power(v, -unit_));
-    data.bits.see(data.vertices.back());
-  }
+  for (const Vec3& v : vertices_) data.vertices.push_back(scale_by_power(v, -unit_));
+  data.bits = planar::bits_of(data.vertices);
   data.plane = planar::plane_of(data.vertices);
   if (planar::is_degenerate(data.plane)) refuse(" enclose no area: the polygon is degenerate");
   normal_ = data.plane.unit_normal();

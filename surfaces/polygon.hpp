@@ -26,7 +26,7 @@ struct Polygon;
 struct PolygonData {
   planar::ExactPlane plane;
   std::vector<Vec3> vertices;
-  planar::BitRange bits;    ///< of the vertices
+  Bits bits;                ///< of the vertices
   std::size_t dropped = 0;  ///< the normal's largest axis
 };
 

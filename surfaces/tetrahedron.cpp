@@ -26,8 +26,10 @@ int side_of(const TetrahedronFace& face, Vec3 apex) {
   });
 }
 
+constexpr double kOneUlp = 0x1p-52;
+
 /// The face opposite to vertex i, facing away from it.
-TetrahedronFace face_opposite(const std::array<Vec3, 4>& v, std::size_t i, const convex::Bits& bits) {
+TetrahedronFace face_opposite(const std::array<Vec3, 4>& v, std::size_t i, const Bits& bits) {
   TetrahedronFace face;
   face.a = v[(i + 1) % 4];
   face.b = v[(i + 2) % 4];
@@ -37,7 +39,7 @@ TetrahedronFace face_opposite(const std::array<Vec3, 4>& v, std::size_t i, const
   if (side > 0) std::swap(face.b, face.c);
   for (std::size_t k = 0; k < 3; ++k) {
     const auto part = [&](auto number) { return face.cross_as<decltype(number)>()[k]; };
-    face.normal[k] = convex::sharp_enclosure(part, bits);
+    face.normal[k] = sharp_enclosure(part, bits.is_exact(), kOneUlp);
   }
   const auto [x, y, z] = face.cross_as<double>();
   face.rounded = {x, y, z};
@@ -65,10 +67,10 @@ Tetrahedron::Tetrahedron(const SurfaceSpec& spec) {
   shape.vertices = read_vertices(spec.parameters);
   measure();
   std::array<Vec3, 4> local;
-  convex::Bits length;
+  Bits length;
   for (std::size_t i = 0; i < 4; ++i) {
     local[i] = scale_by_power(shape.vertices[i], -unit());
-    length = length | convex::Bits(local[i]);
+    length = length | Bits(local[i]);
   }
   grain = {length * length, length * length * length};
   for (std::uint32_t i = 0; i < 4; ++i) {

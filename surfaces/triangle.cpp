@@ -208,10 +208,8 @@ Triangle::Triangle(const SurfaceSpec& spec) {
   size_ = planar::extent_of(vertices_);
   if (size_ == 0) throw std::invalid_argument("vertices are one point: the triangle is degenerate");
   unit_ = exponent_of(size_);
-  for (std::size_t i = 0; i < 3; ++i) {
-    data.vertices[i] = scale_by_power(vertices_[i], -unit_);
-    data.bits.see(data.vertices[i]);
-  }
+  for (std::size_t i = 0; i < 3; ++i) data.vertices[i] = scale_by_power(vertices_[i], -unit_);
+  data.bits = planar::bits_of(data.vertices);
   data.plane = planar::plane_of(data.vertices);
   if (planar::is_degenerate(data.plane))
     throw std::invalid_argument("vertices lie on one line: the triangle is degenerate");

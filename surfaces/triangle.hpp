@@ -21,7 +21,7 @@ struct Triangle;
 struct TriangleData {
   planar::ExactPlane plane;
   std::array<Vec3, 3> vertices;
-  planar::BitRange bits;    ///< of the vertices
+  Bits bits;                ///< of the vertices
   std::size_t dropped = 0;  ///< the normal's largest axis
 
   /// det(d, v_i - p, v_j - p) for the edge opposite to vertex i: its share of d.n is the weight of vertex i.
@@ -35,8 +35,8 @@ struct TriangleData {
   }
   /// Whether expansions hold the weights of this ray.
   [[nodiscard]] bool holds(const LocalRay& ray) const {
-    const planar::BitRange x = bits + planar::bits_of(ray.o);
-    return (x * x * (x + planar::bits_of(ray.d))).is_exact();
+    const Bits x = bits | planar::bits_of(ray.o);
+    return planar::is_exact(x * x * (x | planar::bits_of(ray.d)));
   }
 };
 
