@@ -410,11 +410,7 @@ struct Reach {
   void clip(LocalRay& ray) const {
     constexpr double kNear =
         8;  // from here on hits are far from l = 0, so that l = centre + delta is faithful
-    recentre(ray, centre, kNear * radius);
-    if (!std::isfinite(ray.centre) || !is_finite(ray.p)) {
-      ray.centre = 0;
-      ray.p = ray.o;
-    }
+    recentre_within_range(ray, centre, kNear * radius);
     // sqrt 3 < 2 from coordinates to distances, and twice that for roundings of p, which are relative to p.
     const double reach = 4 * (max_abs(ray.p - centre) + radius) + 0x1p-48 * max_abs(centre);
     ray.lo = std::max(-ray.centre, -reach);

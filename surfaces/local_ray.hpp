@@ -55,13 +55,26 @@ inline LocalRay to_unit(const Ray& ray, int unit) {
   return local;
 }
 
+/// Moves p to l = centre.
+inline void set_centre(LocalRay& ray, double centre) {
+  ray.centre = centre;
+  ray.p = {std::fma(centre, ray.d.x, ray.o.x), std::fma(centre, ray.d.y, ray.o.y),
+           std::fma(centre, ray.d.z, ray.o.z)};
+}
+
 /// Moves p to the closest approach of the ray to `target`, unless the origin is within `near` of it.
 inline void recentre(LocalRay& ray, Vec3 target, double near) {
   const Vec3 to_target = target - ray.o;
   if (max_abs(to_target) <= near) return;
-  ray.centre = dot(to_target, ray.d) / dot(ray.d, ray.d);
-  ray.p = {std::fma(ray.centre, ray.d.x, ray.o.x), std::fma(ray.centre, ray.d.y, ray.o.y),
-           std::fma(ray.centre, ray.d.z, ray.o.z)};
+  set_centre(ray, dot(to_target, ray.d) / dot(ray.d, ray.d));
+}
+
+/// The same, but p stays the origin where the numbers leave the range of double.
+inline void recentre_within_range(LocalRay& ray, Vec3 target, double near) {
+  recentre(ray, target, near);
+  if (std::isfinite(ray.centre) && is_finite(ray.p)) return;
+  ray.centre = 0;
+  ray.p = ray.o;
 }
 
 }  // namespace graze

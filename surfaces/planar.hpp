@@ -281,19 +281,11 @@ inline bool is_usable(const LocalRay& ray) {
   return is_finite(ray.o) && is_finite(ray.p) && is_finite(ray.d) && std::isfinite(ray.centre);
 }
 
-/// Recentres the ray, unless its numbers do not allow it.
-inline void recentre_if_far(LocalRay& ray, Vec3 target) {
-  constexpr double kNear = 4;  // sizes: from there on p has no more digits than o
-  recentre(ray, target, kNear);
-  if (std::isfinite(ray.centre) && is_finite(ray.p)) return;
-  ray.centre = 0;
-  ray.p = ray.o;
-}
-
 /// Recentres the ray about the ball; false: it certainly passes the ball. lo and hi are set to l >= 0 and,
 /// for a figure whose hits all lie in the ball, to where the ray may be inside it.
 inline bool clip(LocalRay& ray, const Ball& ball, bool hits_lie_inside) {
-  recentre_if_far(ray, ball.centre);
+  constexpr double kNear = 4;  // sizes: from there on p has no more digits than o
+  recentre_within_range(ray, ball.centre, kNear);
   ray.lo = -ray.centre;
   ray.hi = std::numeric_limits<double>::infinity();
   if (!is_usable(ray)) return true;

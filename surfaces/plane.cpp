@@ -123,8 +123,7 @@ bool Plane::clip(LocalRay& ray) const {
   constexpr double kNear = 4;  // sizes: from there on a hit has digits to lose
   const double middle = mid(l);
   if (!(l.lo > 0 && middle > kNear && width(l) <= 0x1p-10 * middle)) return true;
-  ray.centre = middle;
-  ray.p = ray.at(middle);
+  set_centre(ray, middle);
   ray.lo = -middle;
   if (planar::is_usable(ray)) return true;
   ray.centre = ray.lo = 0;

@@ -268,13 +268,6 @@ struct ExactInverse {
 
 // --------------------------------------------------------------------------------------------------- frame
 
-/// Moves p to l = centre.
-inline void set_centre(LocalRay& ray, double centre) {
-  ray.centre = centre;
-  ray.p = {std::fma(centre, ray.d.x, ray.o.x), std::fma(centre, ray.d.y, ray.o.y),
-           std::fma(centre, ray.d.z, ray.o.z)};
-}
-
 /// Moves p to the vertex of f along the ray, l = -B/A, to within an ulp or so of l.
 template <class Form>
 void move_to_vertex(const Form& form, LocalRay& ray) {
