@@ -230,6 +230,37 @@ inline bool has_surface(std::string_view name) {
   return false;
 }
 
+/// None where the build leaves it out.
+inline const SolverEntry* solver_named(std::string_view name) {
+  for (const SolverEntry& solver : solver_registry()) {
+    if (solver.name == name) return &solver;
+  }
+  return nullptr;
+}
+
+/// One surface with its solver, in double.
+inline Scene scene_of(const SurfaceSpec& spec, const SolverEntry& solver, std::string_view formulation = {}) {
+  Scene scene;
+  scene.add(find_surface(spec.type), spec, solver, {{}, std::string(formulation), Precision::binary64});
+  return scene;
+}
+
+/// The surface answered by formulas; an empty scene in a build without them.
+inline Scene closed_form_scene(const SurfaceSpec& spec, std::string_view formulation = {}) {
+  const SolverEntry* const solver = solver_named("closed_form");
+  return solver == nullptr ? Scene() : scene_of(spec, *solver, formulation);
+}
+
+/// The sentence with which a specification is refused; empty if it is not.
+inline std::string refusal(const SurfaceSpec& spec) {
+  try {
+    find_surface(spec.type).make(spec);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return {};
+}
+
 struct Answer {
   Status status = Status::ok;
   std::vector<double> l;

@@ -12,9 +12,7 @@ namespace graze::test {
 
 /// The surface in a formulation, answered by formulas.
 inline Scene convex_scene(const SurfaceSpec& spec, std::string_view formulation = "exact") {
-  Scene scene;
-  scene.add(find_surface(spec.type), spec, find_solver("closed_form"), {{}, std::string(formulation)});
-  return scene;
+  return scene_of(spec, find_solver("closed_form"), formulation);
 }
 
 inline Answer convex_answer(const SurfaceSpec& spec, const Ray& ray, std::string_view formulation = "exact") {
@@ -30,21 +28,7 @@ inline std::uint32_t tests_of(const SurfaceSpec& spec, const Ray& ray) {
 }
 
 inline bool has_convex(std::string_view surface) {
-  if (!has_surface(surface)) return false;
-  for (const SolverEntry& solver : solver_registry()) {
-    if (solver.name == "closed_form") return true;
-  }
-  return false;
-}
-
-/// The sentence with which a specification is refused; empty if it is not.
-inline std::string refusal(const SurfaceSpec& spec) {
-  try {
-    find_surface(spec.type).make(spec);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return {};
+  return has_surface(surface) && solver_named("closed_form") != nullptr;
 }
 
 /// a and b differ by at most `ulps` doubles' spacings.

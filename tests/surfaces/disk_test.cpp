@@ -8,15 +8,6 @@
 namespace graze::test {
 namespace {
 
-Scene scene_of(const SurfaceSpec& spec, std::string_view formulation = {}) {
-  Scene scene;
-  for (const SolverEntry& solver : solver_registry()) {
-    if (solver.name != "closed_form") continue;
-    scene.add(find_surface(spec.type), spec, solver, {{}, std::string(formulation), Precision::binary64});
-  }
-  return scene;
-}
-
 class DiskTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -24,20 +15,11 @@ class DiskTest : public testing::Test {
   }
 };
 
-std::string refusal(const SurfaceSpec& spec) {
-  try {
-    find_surface(spec.type).make(spec);
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST_F(DiskTest, TheRimBelongsToTheDiskToTheLastBit) {
   // 3-4-5: the point (3, 4) lies exactly on the rim of radius 5.
   const double out = std::nextafter(4.0, 5.0), in = std::nextafter(4.0, 3.0);
   const std::vector<Ray> rays{{{3, 4, 2}, {0, 0, -1}}, {{3, out, 2}, {0, 0, -1}}, {{3, in, 2}, {0, 0, -1}}};
-  const auto answers = ask(scene_of(disk({0, 0, 0}, {0, 0, 1}, 5)), rays);
+  const auto answers = ask(closed_form_scene(disk({0, 0, 0}, {0, 0, 1}, 5)), rays);
   EXPECT_EQ(answers[0].l, std::vector<double>{2});
   EXPECT_TRUE(answers[1].l.empty());
   EXPECT_EQ(answers[2].l, std::vector<double>{2});
@@ -45,7 +27,7 @@ TEST_F(DiskTest, TheRimBelongsToTheDiskToTheLastBit) {
 
 TEST_F(DiskTest, ObliqueRaysThroughTheRimHitWhereverTheyComeFrom) {
   // Dyadic origins aimed at (3, 4, 0) exactly, from near and from 2^33 away.
-  const Scene scene = scene_of(disk({0, 0, 0}, {0, 0, 1}, 5));
+  const Scene scene = closed_form_scene(disk({0, 0, 0}, {0, 0, 1}, 5));
   Rng rng(20261122);
   for (int i = 0; i < 200; ++i) {
     const double scale = i % 2 == 0 ? 1 : 0x1p30;
@@ -64,7 +46,7 @@ TEST_F(DiskTest, RaysInThePlaneTouchRunInsideOrMiss) {
                               {{-4, 2.5, 0}, {1, 0, 0}},  // passes
                               {{4, 2, 0}, {1, 0, 0}},     // touched it at l < 0
                               {{-4, 1, 1}, {1, 0, 0}}};   // parallel beside it
-  const auto answers = ask(scene_of(disk({0, 0, 0}, {0, 0, 1}, 2)), rays);
+  const auto answers = ask(closed_form_scene(disk({0, 0, 0}, {0, 0, 1}, 2)), rays);
   EXPECT_EQ(answers[0].l, std::vector<double>{2});
   EXPECT_EQ(answers[0].multiplicity, std::vector<std::uint32_t>{2});
   EXPECT_EQ(answers[1].status, Status::coincident);

@@ -15,19 +15,6 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20261122;
 
-const SolverEntry* solver_named(std::string_view name) {
-  for (const SolverEntry& solver : solver_registry()) {
-    if (solver.name == name) return &solver;
-  }
-  return nullptr;
-}
-
-Scene scene_of(const SurfaceSpec& spec, const SolverEntry& solver) {
-  Scene scene;
-  scene.add(find_surface(spec.type), spec, solver);
-  return scene;
-}
-
 /// The rows "| `name` | formula | `[[...]]` |" of surfaces/implicit_polynomial.md.
 std::map<std::string, Table> catalogue() {
   std::ifstream page(std::string(GRAZE_TEST_DATA) + "/../../surfaces/implicit_polynomial.md");

@@ -9,17 +9,10 @@
 namespace graze::test {
 namespace {
 
-const SolverEntry* closed_form() {
-  for (const SolverEntry& solver : solver_registry()) {
-    if (solver.name == "closed_form") return &solver;
-  }
-  return nullptr;
-}
-
 Scene scene_of(const std::vector<SurfaceSpec>& specs, std::string_view formulation = {}) {
   Scene scene;
   for (const SurfaceSpec& spec : specs) {
-    scene.add(find_surface(spec.type), spec, *closed_form(),
+    scene.add(find_surface(spec.type), spec, find_solver("closed_form"),
               {{}, std::string(formulation), Precision::binary64});
   }
   return scene;
@@ -28,18 +21,10 @@ Scene scene_of(const std::vector<SurfaceSpec>& specs, std::string_view formulati
 class PolygonTest : public testing::Test {
  protected:
   void SetUp() override {
-    if (!has_surface("polygon") || closed_form() == nullptr) GTEST_SKIP() << "not in this build";
+    if (!has_surface("polygon") || solver_named("closed_form") == nullptr)
+      GTEST_SKIP() << "not in this build";
   }
 };
-
-std::string refusal(const Table& vertices) {
-  try {
-    find_surface("polygon").make(figure("polygon", vertices));
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST_F(PolygonTest, ThePointOfTheDocumentsExerciseIsOutside) {
   // Document 001: plane x + 2y + z + 2 = 0 (errata 4), point (-2, -2, 4).
@@ -155,19 +140,19 @@ TEST_F(PolygonTest, RaysInThePlaneRunInsideOrMiss) {
 }
 
 TEST_F(PolygonTest, WhatIsNoPolygonIsRefusedWithTheReason) {
-  EXPECT_EQ(refusal({{0, 0, 0}, {1, 0, 0}}), "vertices must be at least three points");
-  EXPECT_EQ(refusal({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {0, 1, 0}}), "vertices: edge 1 has no length");
-  EXPECT_EQ(refusal({{0, 0, 0}, {1, 1, 0}, {2, 2, 0}}),
-            "vertices enclose no area: the polygon is degenerate");
-  EXPECT_EQ(refusal({{0, 0, 0}, {1, 0, 0}, {1, 1, 0.125}, {0, 1, 0}}).find("vertices["), 0U);
-  EXPECT_NE(refusal({{0, 0, 0}, {2, 2, 0}, {2, 0, 0}, {0, 3, 0}}).find("intersects itself"),
+  const auto reason = [](const Table& vertices) { return refusal(figure("polygon", vertices)); };
+  EXPECT_EQ(reason({{0, 0, 0}, {1, 0, 0}}), "vertices must be at least three points");
+  EXPECT_EQ(reason({{0, 0, 0}, {1, 0, 0}, {1, 0, 0}, {0, 1, 0}}), "vertices: edge 1 has no length");
+  EXPECT_EQ(reason({{0, 0, 0}, {1, 1, 0}, {2, 2, 0}}), "vertices enclose no area: the polygon is degenerate");
+  EXPECT_EQ(reason({{0, 0, 0}, {1, 0, 0}, {1, 1, 0.125}, {0, 1, 0}}).find("vertices["), 0U);
+  EXPECT_NE(reason({{0, 0, 0}, {2, 2, 0}, {2, 0, 0}, {0, 3, 0}}).find("intersects itself"),
             std::string::npos);
   // A spike and a vertex on another edge are meetings too; a straight angle is none.
-  EXPECT_NE(refusal({{0, 0, 0}, {4, 0, 0}, {2, 0, 0}, {2, 2, 0}}).find("intersects itself"),
+  EXPECT_NE(reason({{0, 0, 0}, {4, 0, 0}, {2, 0, 0}, {2, 2, 0}}).find("intersects itself"),
             std::string::npos);
-  EXPECT_NE(refusal({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 0, 0}, {0, 4, 0}}).find("intersects itself"),
+  EXPECT_NE(reason({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 0, 0}, {0, 4, 0}}).find("intersects itself"),
             std::string::npos);
-  EXPECT_EQ(refusal({{0, 0, 0}, {2, 0, 0}, {4, 0, 0}, {4, 4, 0}}), "");
+  EXPECT_EQ(reason({{0, 0, 0}, {2, 0, 0}, {4, 0, 0}, {4, 4, 0}}), "");
 }
 
 TEST_F(PolygonTest, SamplesLieInside) {

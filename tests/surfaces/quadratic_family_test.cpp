@@ -28,20 +28,11 @@ class QuadraticFamily : public testing::Test {
     for (const char* name : {"sphere", "ellipsoid", "quadric"}) {
       if (!has_surface(name)) GTEST_SKIP() << "this build has no " << name;
     }
-    if (!has_solver("closed_form")) GTEST_SKIP() << "this build has no closed_form";
-  }
-  static bool has_solver(std::string_view name) {
-    for (const SolverEntry& solver : solver_registry()) {
-      if (solver.name == name) return true;
-    }
-    return false;
+    if (solver_named("closed_form") == nullptr) GTEST_SKIP() << "this build has no closed_form";
   }
   static std::vector<Answer> answers(const SurfaceSpec& spec, std::span<const Ray> rays,
                                      const std::string& formulation = "") {
-    Scene scene;
-    scene.add(find_surface(spec.type), spec, find_solver("closed_form"),
-              {{}, formulation, Precision::binary64});
-    return ask(scene, rays);
+    return ask(closed_form_scene(spec, formulation), rays);
   }
   static Answer answer(const SurfaceSpec& spec, const Ray& ray) { return answers(spec, {&ray, 1}).front(); }
   static std::unique_ptr<AnySurface> surface(const SurfaceSpec& spec) {

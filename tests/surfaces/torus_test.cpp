@@ -12,19 +12,6 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20261122;
 
-const SolverEntry* solver_named(std::string_view name) {
-  for (const SolverEntry& solver : solver_registry()) {
-    if (solver.name == name) return &solver;
-  }
-  return nullptr;
-}
-
-Scene scene_of(const SurfaceSpec& spec, const SolverEntry& solver, const std::string& formulation = {}) {
-  Scene scene;
-  scene.add(find_surface(spec.type), spec, solver, {{}, formulation, Precision::binary64});
-  return scene;
-}
-
 class TorusTest : public testing::Test {
  protected:
   void SetUp() override {

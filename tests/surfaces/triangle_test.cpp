@@ -8,15 +8,6 @@
 namespace graze::test {
 namespace {
 
-Scene scene_of(const SurfaceSpec& spec, std::string_view formulation = {}) {
-  Scene scene;
-  for (const SolverEntry& solver : solver_registry()) {
-    if (solver.name != "closed_form") continue;
-    scene.add(find_surface(spec.type), spec, solver, {{}, std::string(formulation), Precision::binary64});
-  }
-  return scene;
-}
-
 class TriangleTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -24,20 +15,11 @@ class TriangleTest : public testing::Test {
   }
 };
 
-std::string refusal(const Table& vertices) {
-  try {
-    find_surface("triangle").make(figure("triangle", vertices));
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST_F(TriangleTest, UAndVAreThoseOfThePoint) {
   const SurfaceSpec spec = figure("triangle", {{1, 0, 0}, {5, 0, 0}, {1, 8, 0}});
   for (const char* const formulation : {"exact", "barycentric"}) {
     const Ray ray{{2, 4, 3}, {0, 0, -2}};
-    const Answer answer = ask(scene_of(spec, formulation), {&ray, 1})[0];
+    const Answer answer = ask(closed_form_scene(spec, formulation), {&ray, 1})[0];
     ASSERT_EQ(answer.l, std::vector<double>{1.5}) << formulation;
     EXPECT_EQ(answer.params[0], (std::array<double, 2>{0.25, 0.5})) << formulation;
     EXPECT_EQ(answer.normal[0], (Vec3{0, 0, 1})) << formulation;
@@ -46,7 +28,7 @@ TEST_F(TriangleTest, UAndVAreThoseOfThePoint) {
 
 TEST_F(TriangleTest, EdgesAndVerticesBelongToItForRaysFromAnywhere) {
   const Vec3 a{0.5, 0, 1}, b{3, 1, 2}, c{1, 4, -1};
-  const Scene scene = scene_of(figure("triangle", {{0.5, 0, 1}, {3, 1, 2}, {1, 4, -1}}));
+  const Scene scene = closed_form_scene(figure("triangle", {{0.5, 0, 1}, {3, 1, 2}, {1, 4, -1}}));
   Rng rng(20261122);
   for (int i = 0; i < 300; ++i) {
     const double k = std::floor(rng.uniform(0, 9)) / 8;
@@ -70,7 +52,7 @@ TEST_F(TriangleTest, RaysInThePlaneTouchAVertexRunInsideOrMiss) {
                               {{1, -1, 0}, {1, -1, 0}},  // touched v0 at l < 0
                               {{-1, 6, 0}, {1, 0, 0}},   // passes
                               {{1, 1, 0}, {1, 1, 0}}};   // starts inside
-  const auto answers = ask(scene_of(spec), rays);
+  const auto answers = ask(closed_form_scene(spec), rays);
   EXPECT_EQ(answers[0].l, std::vector<double>{2});
   EXPECT_EQ(answers[0].multiplicity, std::vector<std::uint32_t>{2});
   EXPECT_EQ(answers[0].params[0], (std::array<double, 2>{0, 0}));
@@ -113,12 +95,13 @@ TEST_F(TriangleTest, ATriangulatedGridHasNoGapsAtItsEdgesAndVertices) {
 }
 
 TEST_F(TriangleTest, WhatIsNoTriangleIsRefusedWithTheReason) {
-  EXPECT_EQ(refusal({{0, 0, 0}, {1, 1, 1}, {3, 3, 3}}),
+  const auto reason = [](const Table& vertices) { return refusal(figure("triangle", vertices)); };
+  EXPECT_EQ(reason({{0, 0, 0}, {1, 1, 1}, {3, 3, 3}}),
             "vertices lie on one line: the triangle is degenerate");
-  EXPECT_EQ(refusal({{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}), "vertices are one point: the triangle is degenerate");
-  EXPECT_EQ(refusal({{0, 0, 0}, {1, 1, 1}}), "vertices must be three points: this is a triangle");
+  EXPECT_EQ(reason({{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}), "vertices are one point: the triangle is degenerate");
+  EXPECT_EQ(reason({{0, 0, 0}, {1, 1, 1}}), "vertices must be three points: this is a triangle");
   // One ulp beside the line is a triangle.
-  EXPECT_EQ(refusal({{0, 0, 0}, {1, 1, 1}, {3, 3, std::nextafter(3.0, 4.0)}}), "");
+  EXPECT_EQ(reason({{0, 0, 0}, {1, 1, 1}, {3, 3, std::nextafter(3.0, 4.0)}}), "");
 }
 
 }  // namespace
