@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "questions.hpp"
+
 namespace graze {
 namespace {
 
@@ -20,15 +22,11 @@ using truth::Answer;
 using truth::Hit;
 using truth::make_surface;
 using List = std::vector<double>;
-using Table = std::vector<std::vector<double>>;
-using Values = std::vector<std::pair<std::string, ParameterValue>>;
-
-SurfaceSpec spec_of(const std::string& type, const Values& values) {
-  SurfaceSpec spec;
-  spec.type = type;
-  for (const auto& [name, value] : values) spec.parameters.set(name, value);
-  return spec;
-}
+using test::ask;
+using test::expect_hits;
+using test::spec_of;
+using test::Table;
+using Values = std::map<std::string, ParameterValue>;
 
 SurfaceSpec sphere(double radius, const List& center = {0, 0, 0}) {
   return spec_of("sphere", {{"center", center}, {"radius", radius}});
@@ -39,28 +37,7 @@ SurfaceSpec implicit(const Table& terms) { return spec_of("implicit_polynomial",
 /// x^2 + z^2 = y^2.
 SurfaceSpec cone() { return quadric({{"A", 1.0}, {"E", -1.0}, {"H", 1.0}}); }
 
-Answer ask(const SurfaceSpec& spec, const Ray& ray) { return make_surface(spec)->all(ray, {}); }
-
-struct Wanted {
-  std::string l;
-  std::uint32_t multiplicity = 1;
-};
-
-void expect_hits(const Answer& answer, const std::vector<Wanted>& wanted) {
-  EXPECT_EQ(answer.status, Status::ok) << answer.why;
-  ASSERT_EQ(answer.hits.size(), wanted.size());
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    EXPECT_EQ(answer.hits[i].l.decimal, wanted[i].l);
-    EXPECT_EQ(answer.hits[i].multiplicity, wanted[i].multiplicity);
-    EXPECT_EQ(answer.hits[i].tangent, wanted[i].multiplicity >= 2);
-  }
-}
-
-void expect_near(Vec3 a, Vec3 b) {
-  EXPECT_NEAR(a.x, b.x, 0x1p-52);
-  EXPECT_NEAR(a.y, b.y, 0x1p-52);
-  EXPECT_NEAR(a.z, b.z, 0x1p-52);
-}
+void expect_near(Vec3 a, Vec3 b) { test::expect_near(a, b, 0x1p-52); }
 
 /// The same numbers digit for digit; normals and cosines to the last place, since both are rounded.
 void expect_same(const Answer& a, const Answer& b) {

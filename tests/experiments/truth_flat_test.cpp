@@ -14,28 +14,20 @@
 #include <string>
 #include <vector>
 
+#include "questions.hpp"
+
 namespace graze {
 namespace {
 
+using test::ask;
+using test::expect_hits;
+using test::list;
+using test::spec_of;
+using test::Table;
+using test::table;
 using truth::Answer;
 using truth::Hit;
 using truth::make_surface;
-using Table = std::vector<std::vector<double>>;
-
-SurfaceSpec spec_of(const std::string& type, const std::map<std::string, ParameterValue>& parameters) {
-  SurfaceSpec spec;
-  spec.type = type;
-  spec.parameters = Parameters(parameters);
-  return spec;
-}
-
-std::vector<double> list(Vec3 v) { return {v.x, v.y, v.z}; }
-
-Table table(const std::vector<Vec3>& points) {
-  Table rows;
-  for (const Vec3& p : points) rows.push_back(list(p));
-  return rows;
-}
 
 SurfaceSpec plane(Vec3 a, double b, bool one_sided = false) {
   return spec_of("plane", {{"a", list(a)}, {"b", b}, {"one_sided", one_sided}});
@@ -51,25 +43,6 @@ SurfaceSpec tetrahedron(const std::vector<Vec3>& v) {
 }
 SurfaceSpec polyhedron(const Table& halfspaces) {
   return spec_of("convex_polyhedron", {{"halfspaces", halfspaces}});
-}
-
-Answer ask(const SurfaceSpec& spec, const Ray& ray, int digits = 40) {
-  return make_surface(spec)->all(ray, {digits});
-}
-
-struct Wanted {
-  std::string l;
-  std::uint32_t multiplicity = 1;
-};
-
-void expect_hits(const Answer& answer, const std::vector<Wanted>& wanted) {
-  EXPECT_EQ(answer.status, Status::ok) << answer.why;
-  ASSERT_EQ(answer.hits.size(), wanted.size());
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    EXPECT_EQ(answer.hits[i].l.decimal, wanted[i].l);
-    EXPECT_EQ(answer.hits[i].multiplicity, wanted[i].multiplicity);
-    EXPECT_EQ(answer.hits[i].tangent, wanted[i].multiplicity >= 2);
-  }
 }
 
 void expect_coincident(const SurfaceSpec& spec, const Ray& ray) {
@@ -88,11 +61,7 @@ void expect_refused(const SurfaceSpec& spec, const std::string& word) {
   }
 }
 
-void expect_near(Vec3 a, Vec3 b) {
-  EXPECT_NEAR(a.x, b.x, 1e-15);
-  EXPECT_NEAR(a.y, b.y, 1e-15);
-  EXPECT_NEAR(a.z, b.z, 1e-15);
-}
+void expect_near(Vec3 a, Vec3 b) { test::expect_near(a, b, 1e-15); }
 
 std::size_t count(const truth::Surface& surface, const Ray& ray) {
   return surface.all(ray, {17}).hits.size();

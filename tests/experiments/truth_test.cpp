@@ -12,52 +12,25 @@
 #include <string>
 #include <vector>
 
+#include "questions.hpp"
+
 namespace graze {
 namespace {
 
+using test::ask;
+using test::expect_hits;
+using test::Table;
 using truth::Answer;
 using truth::Hit;
 using truth::make_surface;
-using Table = std::vector<std::vector<double>>;
 
-SurfaceSpec teardrop_spec(double s) {
-  SurfaceSpec spec;
-  spec.type = "teardrop";
-  spec.parameters.set("s", s);
-  return spec;
-}
+SurfaceSpec teardrop_spec(double s) { return test::spec_of("teardrop", {{"s", s}}); }
 
 SurfaceSpec profile_spec(const Table& points) {
-  SurfaceSpec spec;
-  spec.type = "bezier_revolution";
-  spec.parameters.set("control_points", points);
-  return spec;
+  return test::spec_of("bezier_revolution", {{"control_points", points}});
 }
 
-Answer ask(const SurfaceSpec& spec, const Ray& ray, int digits = 40) {
-  return make_surface(spec)->all(ray, {digits});
-}
-
-struct Wanted {
-  std::string l;
-  std::uint32_t multiplicity = 1;
-};
-
-void expect_hits(const Answer& answer, const std::vector<Wanted>& wanted) {
-  EXPECT_EQ(answer.status, Status::ok) << answer.why;
-  ASSERT_EQ(answer.hits.size(), wanted.size());
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    EXPECT_EQ(answer.hits[i].l.decimal, wanted[i].l);
-    EXPECT_EQ(answer.hits[i].multiplicity, wanted[i].multiplicity);
-    EXPECT_EQ(answer.hits[i].tangent, wanted[i].multiplicity >= 2);
-  }
-}
-
-void expect_near(Vec3 a, Vec3 b) {
-  EXPECT_NEAR(a.x, b.x, 1e-15);
-  EXPECT_NEAR(a.y, b.y, 1e-15);
-  EXPECT_NEAR(a.z, b.z, 1e-15);
-}
+void expect_near(Vec3 a, Vec3 b) { test::expect_near(a, b, 1e-15); }
 
 TEST(Truth, AxisRayEntersTheTeardropThroughTheApexAndLeavesThroughTheBottom) {
   const Answer answer = ask(teardrop_spec(1), {{0, 10, 0}, {0, -1, 0}});
