@@ -3,12 +3,18 @@
 #pragma once
 
 #include <arb.h>
+#include <arb_fmpz_poly.h>
 #include <flint/fmpq.h>
 #include <flint/fmpq_poly.h>
+#include <flint/fmpz_poly.h>
+#include <flint/fmpz_poly_factor.h>
+#include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
+#include <graze/experiments/truth.hpp>
 #include <graze/surfaces/ray.hpp>
+#include <string>
 #include <utility>
 
 namespace graze::flint {
@@ -27,6 +33,21 @@ class Q {
     if (e >= 53) fmpq_mul_2exp(q_, q_, static_cast<ulong>(e - 53));
     if (e < 53) fmpq_div_2exp(q_, q_, static_cast<ulong>(53 - e));
   }
+  /// A decimal as truth prints it: digits, a point, an exponent.
+  explicit Q(const std::string& text) : Q() {
+    const std::size_t mark = text.find('e');
+    std::string digits = text.substr(0, mark);
+    long e = mark == std::string::npos ? 0 : std::stol(text.substr(mark + 1));
+    if (const std::size_t point = digits.find('.'); point != std::string::npos) {
+      e -= static_cast<long>(digits.size() - point - 1);
+      digits.erase(point, 1);
+    }
+    fmpz_set_str(fmpq_numref(q_), digits.c_str(), 10);
+    fmpq_canonicalise(q_);
+    Q ten(10);
+    fmpq_pow_si(ten.q_, ten.q_, e);
+    fmpq_mul(q_, q_, ten.q_);
+  }
   Q(const Q& other) : Q() { fmpq_set(q_, other.q_); }
   Q& operator=(const Q& other) {
     fmpq_set(q_, other.q_);
@@ -35,10 +56,14 @@ class Q {
   ~Q() { fmpq_clear(q_); }
   [[nodiscard]] const fmpq* get() const { return q_; }
   [[nodiscard]] int sign() const { return fmpq_sgn(q_); }
+  [[nodiscard]] double value() const { return fmpq_get_d(q_); }
   friend Q operator+(const Q& a, const Q& b) { return with(fmpq_add, a, b); }
   friend Q operator-(const Q& a, const Q& b) { return with(fmpq_sub, a, b); }
   friend Q operator*(const Q& a, const Q& b) { return with(fmpq_mul, a, b); }
   friend Q operator/(const Q& a, const Q& b) { return with(fmpq_div, a, b); }
+  friend bool operator<(const Q& a, const Q& b) { return fmpq_cmp(a.q_, b.q_) < 0; }
+  friend bool operator<=(const Q& a, const Q& b) { return fmpq_cmp(a.q_, b.q_) <= 0; }
+  friend bool operator==(const Q& a, const Q& b) { return fmpq_equal(a.q_, b.q_) != 0; }
 
  private:
   static Q with(void (*f)(fmpq_t, const fmpq_t, const fmpq_t), const Q& a, const Q& b) {
@@ -117,6 +142,48 @@ class Arb {
   }
   arb_t x_;
 };
+
+/// Calls visit(factor, exponent, root) for every real root of every irreducible factor of p.
+template <class Visit>
+void for_each_real_root(const QPoly& p, const Visit& visit) {
+  fmpz_poly_t z;
+  fmpz_poly_init(z);
+  fmpq_poly_get_numerator(z, p.get());
+  fmpz_poly_factor_t factors;
+  fmpz_poly_factor_init(factors);
+  fmpz_poly_factor(factors, z);
+  for (slong i = 0; i < factors->num; ++i) {
+    const slong n = fmpz_poly_degree(factors->p + i);
+    if (n < 1) continue;
+    acb_ptr roots = _acb_vec_init(n);
+    arb_fmpz_poly_complex_roots(roots, factors->p + i, 0, kBits);
+    for (slong j = 0; j < n; ++j) {
+      if (arb_is_zero(acb_imagref(roots + j)) != 0)
+        visit(factors->p + i, static_cast<unsigned>(factors->exp[i]), acb_realref(roots + j));
+    }
+    _acb_vec_clear(roots, n);
+  }
+  fmpz_poly_factor_clear(factors);
+  fmpz_poly_clear(z);
+}
+
+/// Truth's 40 digits, enclosure and doubles of a number against the number itself.
+inline void check_real(const truth::Real& given, const Arb& l) {
+  // |decimal - l| <= 5 10^-40 l: half a unit of 40 digits.
+  Arb decimal, lo, hi, bound;
+  arb_set_str(decimal.get(), given.decimal.c_str(), kBits);
+  arb_set_str(lo.get(), given.lo.c_str(), kBits);
+  arb_set_str(hi.get(), given.hi.c_str(), kBits);
+  arb_set_str(bound.get(), "5e-40", kBits);
+  Arb error = decimal - l;
+  arb_abs(error.get(), error.get());
+  ASSERT_EQ(arb_gt(error.get(), (bound * l).get()), 0) << given.decimal;
+  ASSERT_EQ(arb_gt(lo.get(), l.get()), 0) << given.lo;
+  ASSERT_EQ(arb_lt(hi.get(), l.get()), 0) << given.hi;
+  ASSERT_EQ(given.head, l.value());
+  if (!std::isfinite(given.head)) return;
+  ASSERT_DOUBLE_EQ(given.tail, (l - Arb(Q(given.head))).value());
+}
 
 using Triple = std::array<Q, 3>;
 using Rows = std::array<Triple, 3>;

@@ -1,8 +1,5 @@
 // Certified truth of the algebraic surfaces against a second engine: FLINT's rationals form the equation from
 // another statement of each surface, FLINT factors it into irreducibles, Arb isolates the roots.
-#include <arb_fmpz_poly.h>
-#include <flint/fmpz_poly.h>
-#include <flint/fmpz_poly_factor.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -215,27 +212,12 @@ struct Expected {
 /// Positive roots of p in ascending order; irreducible factors share none.
 std::vector<Expected> positive_roots(const QPoly& p) {
   std::vector<Expected> found;
-  fmpz_poly_t z;
-  fmpz_poly_init(z);
-  fmpq_poly_get_numerator(z, p.get());
-  fmpz_poly_factor_t factors;
-  fmpz_poly_factor_init(factors);
-  fmpz_poly_factor(factors, z);
-  for (slong i = 0; i < factors->num; ++i) {
-    const slong n = fmpz_poly_degree(factors->p + i);
-    if (n < 1) continue;
-    acb_ptr roots = _acb_vec_init(n);
-    arb_fmpz_poly_complex_roots(roots, factors->p + i, 0, kBits);
-    for (slong j = 0; j < n; ++j) {
-      Expected root;
-      root.multiplicity = static_cast<unsigned>(factors->exp[i]);
-      arb_set(root.l.get(), acb_realref(roots + j));
-      if (arb_is_zero(acb_imagref(roots + j)) != 0 && root.l.sign() > 0) found.push_back(root);
-    }
-    _acb_vec_clear(roots, n);
-  }
-  fmpz_poly_factor_clear(factors);
-  fmpz_poly_clear(z);
+  flint::for_each_real_root(p, [&](const fmpz_poly_struct* /*factor*/, unsigned order, arb_srcptr x) {
+    Expected root;
+    root.multiplicity = order;
+    arb_set(root.l.get(), x);
+    if (root.l.sign() > 0) found.push_back(root);
+  });
   std::sort(found.begin(), found.end(),
             [](const Expected& a, const Expected& b) { return arb_lt(a.l.get(), b.l.get()) != 0; });
   return found;
@@ -307,24 +289,10 @@ class Judge {
 
  private:
   static void check_length(const truth::Hit& hit, const Expected& expected, Tally& tally) {
-    const Arb& l = expected.l;
     ++tally.hits;
     tally.touches += hit.tangent ? 1 : 0;
     ASSERT_EQ(hit.multiplicity, expected.multiplicity);
-    // |decimal - l| <= 5 10^-40 l: half a unit of 40 digits.
-    Arb decimal, lo, hi, bound;
-    arb_set_str(decimal.get(), hit.l.decimal.c_str(), kBits);
-    arb_set_str(lo.get(), hit.l.lo.c_str(), kBits);
-    arb_set_str(hi.get(), hit.l.hi.c_str(), kBits);
-    arb_set_str(bound.get(), "5e-40", kBits);
-    Arb error = decimal - l;
-    arb_abs(error.get(), error.get());
-    ASSERT_EQ(arb_gt(error.get(), (bound * l).get()), 0) << hit.l.decimal;
-    ASSERT_EQ(arb_gt(lo.get(), l.get()), 0) << hit.l.lo;
-    ASSERT_EQ(arb_lt(hi.get(), l.get()), 0) << hit.l.hi;
-    ASSERT_EQ(hit.l.head, l.value());
-    if (!std::isfinite(hit.l.head)) return;
-    ASSERT_DOUBLE_EQ(hit.l.tail, (l - Arb(Q(hit.l.head))).value());
+    flint::check_real(hit.l, expected.l);
   }
 
   static void check_point(const truth::Hit& hit, const Ray& ray, const Arb& l, Tally& tally) {

@@ -20,59 +20,16 @@
 #include <string>
 #include <vector>
 
+#include "flint_numbers.hpp"
+#include "questions.hpp"
+
 namespace graze {
 namespace {
 
-class Q {
- public:
-  Q() { fmpq_init(q_); }
-  Q(double x) : Q() {  // NOLINT(google-explicit-constructor): doubles are numbers here
-    int e = 0;
-    const double m = std::ldexp(std::frexp(x, &e), 53);
-    fmpz_set_d(fmpq_numref(q_), m);
-    if (e >= 53) fmpq_mul_2exp(q_, q_, static_cast<ulong>(e - 53));
-    if (e < 53) fmpq_div_2exp(q_, q_, static_cast<ulong>(53 - e));
-  }
-  /// A decimal as truth prints it: digits, a point, an exponent.
-  explicit Q(const std::string& text) : Q() {
-    const std::size_t mark = text.find('e');
-    std::string digits = text.substr(0, mark);
-    long e = mark == std::string::npos ? 0 : std::stol(text.substr(mark + 1));
-    if (const std::size_t point = digits.find('.'); point != std::string::npos) {
-      e -= static_cast<long>(digits.size() - point - 1);
-      digits.erase(point, 1);
-    }
-    fmpz_set_str(fmpq_numref(q_), digits.c_str(), 10);
-    fmpq_canonicalise(q_);
-    Q ten(10);
-    fmpq_pow_si(ten.q_, ten.q_, e);
-    fmpq_mul(q_, q_, ten.q_);
-  }
-  Q(const Q& other) : Q() { fmpq_set(q_, other.q_); }
-  Q& operator=(const Q& other) {
-    fmpq_set(q_, other.q_);
-    return *this;
-  }
-  ~Q() { fmpq_clear(q_); }
-  [[nodiscard]] int sign() const { return fmpq_sgn(q_); }
-  [[nodiscard]] double value() const { return fmpq_get_d(q_); }
-  friend Q operator+(const Q& a, const Q& b) { return with(fmpq_add, a, b); }
-  friend Q operator-(const Q& a, const Q& b) { return with(fmpq_sub, a, b); }
-  friend Q operator*(const Q& a, const Q& b) { return with(fmpq_mul, a, b); }
-  friend Q operator/(const Q& a, const Q& b) { return with(fmpq_div, a, b); }
-  friend bool operator<(const Q& a, const Q& b) { return fmpq_cmp(a.q_, b.q_) < 0; }
-  friend bool operator<=(const Q& a, const Q& b) { return fmpq_cmp(a.q_, b.q_) <= 0; }
-  friend bool operator==(const Q& a, const Q& b) { return fmpq_equal(a.q_, b.q_) != 0; }
-
- private:
-  static Q with(void (*f)(fmpq_t, const fmpq_t, const fmpq_t), const Q& a, const Q& b) {
-    Q r;
-    f(r.q_, a.q_, b.q_);
-    return r;
-  }
-  fmpq_t q_;
-};
-
+using flint::Q;
+using test::list;
+using test::spec_of;
+using test::table;
 using Row = std::vector<Q>;
 
 Row row(Vec3 v) { return {Q(v.x), Q(v.y), Q(v.z)}; }
@@ -144,21 +101,6 @@ struct Model {
   SurfaceSpec spec;
   std::function<Hits(const Line&)> hits;
 };
-
-SurfaceSpec spec_of(const std::string& type, const std::map<std::string, ParameterValue>& parameters) {
-  SurfaceSpec spec;
-  spec.type = type;
-  spec.parameters = Parameters(parameters);
-  return spec;
-}
-
-std::vector<double> list(Vec3 v) { return {v.x, v.y, v.z}; }
-
-std::vector<std::vector<double>> table(const std::vector<Vec3>& points) {
-  std::vector<std::vector<double>> rows;
-  for (const Vec3& p : points) rows.push_back(list(p));
-  return rows;
-}
 
 std::vector<Row> rows(const std::vector<Vec3>& points) {
   std::vector<Row> result;

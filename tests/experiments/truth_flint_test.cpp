@@ -1,11 +1,9 @@
 // Certified truth against a second engine that shares nothing with it: FLINT's rationals form the equation,
 // FLINT factors it into irreducibles, Arb isolates and refines the roots. A tie is a divisibility of
 // polynomials there.
-#include <arb_fmpz_poly.h>
 #include <flint/fmpq.h>
 #include <flint/fmpq_poly.h>
 #include <flint/fmpz_poly.h>
-#include <flint/fmpz_poly_factor.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -96,31 +94,15 @@ struct Algebraic {
 
 std::vector<Algebraic> unit_roots(const QPoly& p) {
   std::vector<Algebraic> found;
-  fmpz_poly_t z;
-  fmpz_poly_init(z);
-  fmpq_poly_get_numerator(z, p.get());
-  fmpz_poly_factor_t factors;
-  fmpz_poly_factor_init(factors);
-  fmpz_poly_factor(factors, z);
-  for (slong i = 0; i < factors->num; ++i) {
-    const slong n = fmpz_poly_degree(factors->p + i);
-    if (n < 1) continue;
-    acb_ptr roots = _acb_vec_init(n);
-    arb_fmpz_poly_complex_roots(roots, factors->p + i, 0, kBits);
+  flint::for_each_real_root(p, [&](const fmpz_poly_struct* factor, unsigned order, arb_srcptr x) {
     Algebraic root;
-    fmpq_poly_set_fmpz_poly(root.minimal.get(), factors->p + i);
-    root.order = static_cast<unsigned>(factors->exp[i]);
-    for (slong j = 0; j < n; ++j) {
-      if (arb_is_zero(acb_imagref(roots + j)) == 0) continue;
-      arb_set(root.t.get(), acb_realref(roots + j));
-      const bool at_end = n == 1 && (root.is(0) || root.is(1));
-      const bool inside = root.t.sign() > 0 && (Arb(Q(1)) - root.t).sign() > 0;
-      if (at_end || inside) found.push_back(root);
-    }
-    _acb_vec_clear(roots, n);
-  }
-  fmpz_poly_factor_clear(factors);
-  fmpz_poly_clear(z);
+    fmpq_poly_set_fmpz_poly(root.minimal.get(), factor);
+    root.order = order;
+    arb_set(root.t.get(), x);
+    const bool at_end = fmpz_poly_degree(factor) == 1 && (root.is(0) || root.is(1));
+    const bool inside = root.t.sign() > 0 && (Arb(Q(1)) - root.t).sign() > 0;
+    if (at_end || inside) found.push_back(root);
+  });
   return found;
 }
 
@@ -283,26 +265,10 @@ void compare(const truth::Surface& surface, const SecondEngine& engine, const Ra
   ASSERT_EQ(answer.hits.size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const truth::Hit& hit = answer.hits[i];
-    const Arb& l = expected[i].l;
     ++tally.hits;
     tally.touches += hit.tangent ? 1 : 0;
     ASSERT_EQ(hit.multiplicity, expected[i].multiplicity);
-    // |decimal - l| <= 10^-39 l: half a unit of 40 digits.
-    Arb decimal;
-    Arb lo;
-    Arb hi;
-    arb_set_str(decimal.get(), hit.l.decimal.c_str(), kBits);
-    arb_set_str(lo.get(), hit.l.lo.c_str(), kBits);
-    arb_set_str(hi.get(), hit.l.hi.c_str(), kBits);
-    Arb bound;
-    arb_set_str(bound.get(), "5e-40", kBits);
-    Arb error = decimal - l;
-    arb_abs(error.get(), error.get());
-    ASSERT_EQ(arb_gt(error.get(), (bound * l).get()), 0) << hit.l.decimal;
-    ASSERT_EQ(arb_gt(lo.get(), l.get()), 0) << hit.l.lo;
-    ASSERT_EQ(arb_lt(hi.get(), l.get()), 0) << hit.l.hi;
-    ASSERT_EQ(hit.l.head, l.value());
-    ASSERT_DOUBLE_EQ(hit.l.tail, (l - Arb(Q(hit.l.head))).value());
+    flint::check_real(hit.l, expected[i].l);
     ASSERT_DOUBLE_EQ(hit.params[0], expected[i].t);
     if (!expected[i].has_normal) continue;
     const double error_n = std::max({std::fabs(hit.normal.x - expected[i].normal[0].value()),
