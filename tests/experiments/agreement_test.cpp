@@ -20,6 +20,8 @@
 #include <graze/experiments/truth.hpp>
 #include <surfaces/cells.hpp>
 
+#include "truth_blocks.hpp"
+
 namespace graze::test {
 namespace {
 
@@ -61,32 +63,12 @@ void print(const std::string& what, const Tally& t) {
       t.uncertain, t.failed, t.ulps, t.condition_units);
 }
 
-/// Rays with their truth, and the surface at the scale they are meant for.
-struct Block {
-  SurfaceSpec spec;
-  double size = 1;
-  std::unique_ptr<truth::Surface> surface;
-  std::vector<Ray> rays;
-  std::vector<truth::Answer> truths;
-};
-
 std::vector<Block> blocks_of(const CaseFamily& family, const SurfaceSpec& spec, std::size_t rays) {
-  const SurfaceEntry& entry = find_surface(spec.type);
   std::vector<Block> blocks;
-  if (!family.suits(entry.make(spec)->landmarks())) return blocks;
+  if (!family.suits(find_surface(spec.type).make(spec)->landmarks())) return blocks;
   for (std::size_t b = 0; b * kCaseBlock < rays; ++b) {
-    Block block;
-    const double factor = block_scale(family, kSeed, b);
-    block.spec = factor == 1 ? spec : graze::scaled(spec, factor);
-    const auto surface = entry.make(block.spec);
-    block.size = surface->size();
-    block.surface = truth::make_surface(block.spec);
     const std::size_t count = std::min(kCaseBlock, rays - b * kCaseBlock);
-    for (const CaseRay& ray : make_block(family, *surface, kSeed, b, count)) {
-      block.rays.push_back(ray.ray);
-      block.truths.push_back(block.surface->all(ray.ray, {.digits = 20}));
-    }
-    blocks.push_back(std::move(block));
+    blocks.push_back(make_truths(family, spec, kSeed, b, count));
   }
   return blocks;
 }

@@ -17,6 +17,8 @@
 #include <graze/experiments/truth.hpp>
 #include <surfaces/cells.hpp>
 
+#include "truth_blocks.hpp"
+
 namespace graze::test {
 namespace {
 
@@ -44,29 +46,6 @@ struct Contestant {
 
   [[nodiscard]] std::string name() const { return formulation + " / " + std::string(solver->name); }
 };
-
-/// Rays of one block with their truth, and the surface at the scale they are meant for.
-struct Block {
-  SurfaceSpec spec;
-  double size = 1;
-  std::unique_ptr<truth::Surface> surface;
-  std::vector<Ray> rays;
-  std::vector<truth::Answer> truths;
-};
-
-Block make_truths(const CaseFamily& family, const SurfaceSpec& spec, std::size_t number, std::size_t count) {
-  Block block;
-  const double factor = block_scale(family, kSeed, number);
-  block.spec = factor == 1 ? spec : scaled(spec, factor);
-  const auto surface = find_surface(spec.type).make(block.spec);
-  block.size = surface->size();
-  block.surface = truth::make_surface(block.spec);
-  for (const CaseRay& ray : make_block(family, *surface, kSeed, number, count)) {
-    block.rays.push_back(ray.ray);
-    block.truths.push_back(block.surface->all(ray.ray, {.digits = 20}));
-  }
-  return block;
-}
 
 /// A line to paste: rays, then `graze solve` and `graze truth` say the rest.
 void show(const Block& block, const Contestant& contestant, std::size_t i, const Answer& answer) {
@@ -157,8 +136,8 @@ class EverySurface : public testing::TestWithParam<const SurfaceEntry*> {
     Tally lost;
     // Block by block, so that memory does not grow with the rays.
     for (std::size_t number = 0; number * kCaseBlock < rays_asked(); ++number) {
-      const Block block =
-          make_truths(family, spec, number, std::min(kCaseBlock, rays_asked() - number * kCaseBlock));
+      const std::size_t count = std::min(kCaseBlock, rays_asked() - number * kCaseBlock);
+      const Block block = make_truths(family, spec, kSeed, number, count);
       for (std::size_t i = 0; i < best.size(); ++i) judge_block(block, best[i], true, tallies[i]);
       if (textbook) judge_block(block, *textbook, false, lost);
     }
