@@ -13,17 +13,13 @@
 //           balancing after Parlett, Reinsch, Numer. Math. 13 (1969); eigenvalues by Eigen
 #pragma once
 
+#include <graze/solvers/power_basis.hpp>
 #include <graze/solvers/solver.hpp>
 
 namespace graze {
 
 class Companion {
  public:
-  /// An eigenvalue a + ib counts as the real root a if p(a) is zero within what a relative change of every
-  /// coefficient by kBackward n u can do: |p(a)| <= kBackward n u sum |c_i a^i| (+ coefficient errors).
-  /// Scale-free in p and in x; no threshold on |b|. Real eigenvalues are taken as they are.
-  static constexpr double kBackward = 16;
-
   /// Largest backward error, in n u, of the roots of polynomials of degree 1 to 12 with coefficients uniform
   /// in
   /// [-1, 1] (measured: 692; asserted in tests/solvers/companion_test.cpp).
