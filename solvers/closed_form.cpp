@@ -4,53 +4,21 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <span>
 #include <utility>
+
+#include <graze/solvers/math/bernstein.hpp>
+#include <graze/solvers/math/cubic.hpp>
+#include <graze/solvers/math/quadratic.hpp>
+#include <graze/solvers/math/quartic.hpp>
+#include <graze/solvers/power_basis.hpp>
 
 namespace graze {
 namespace {
 
-/// a b - c d with a relative error of at most 2u (Kahan), if nothing under- or overflows.
+constexpr std::size_t kMostCoefficients = 5;
 template <class T>
-T difference_of_products(T a, T b, T c, T d) {
-  const T cd = c * d;
-  const T error = std::fma(-c, d, cd);
-  return std::fma(a, b, -cd) + error;
-}
-
-/// The exponent of x: |x| = 2^k m, 1 <= m < 2; a very small one for zero.
-template <class T>
-int exponent(T x) {
-  return x == 0 ? -4 * std::numeric_limits<T>::max_exponent : std::ilogb(x);
-}
-
-/// Roots of a x^2 + 2 b x + c, a != 0, ascending; the count is returned: 0, 1 (double root) or 2.
-template <class T>
-int quadratic(T a, T b, T c, std::array<T, 2>& x) {
-  const T discriminant = difference_of_products(b, b, a, c);
-  if (discriminant < 0) return 0;
-  if (discriminant == 0) {
-    x[0] = -b / a;
-    return 1;
-  }
-  // The larger root by addition of equal signs, the smaller one from the product of both.
-  const T q = -(b + std::copysign(std::sqrt(discriminant), b));
-  x = {q / a, c / q};
-  if (x[1] < x[0]) std::swap(x[0], x[1]);
-  return 2;
-}
-
-/// The same with powers of two taken out first, so that no product leaves the range: x = 2^m y with |a| and
-/// |c| alike, then the largest of |a|, |b|, |c| near 1. Exact, short of parts 2^-1000 below the largest.
-template <class T>
-int scaled_quadratic(T a, T b, T c, std::array<T, 2>& x) {
-  if (b == 0 && c == 0) return 1;  // x = 0, twice
-  const int m = c == 0 ? exponent(b) - exponent(a) : (exponent(c) - exponent(a)) / 2;
-  const int largest = std::max({exponent(a) + 2 * m, exponent(b) + m, exponent(c)});
-  const auto scaled = [](T v, int k) { return v == 0 ? v : std::ldexp(v, k); };
-  const int count = quadratic(scaled(a, 2 * m - largest), scaled(b, m - largest), scaled(c, -largest), x);
-  for (T& root : x) root = std::ldexp(root, m);
-  return count;
-}
+using FiveCoefficients = std::array<T, kMostCoefficients>;
 
 /// What errors of the coefficients leave open about a simple root: sum e_i |x|^i / |p'(x)|.
 template <class T>
@@ -64,20 +32,12 @@ T data_error(std::span<const T> c, std::span<const T> c_error, T x) {
   return sum / std::fabs(slope);
 }
 
+/// Degree 1 or 2, without leading zeros.
 template <class T>
-void solve_power(std::span<const T> c, std::span<const T> c_error, T lo, T hi, Roots& roots) {
-  while (!c.empty() && c.back() == 0) c = c.first(c.size() - 1);
-  if (c.empty()) {
-    roots.status = Status::coincident;
-    return;
-  }
-  if (c.size() > 3) {
-    roots.status = Status::failed;
-    return;
-  }
+void solve_quadratic(std::span<const T> c, std::span<const T> c_error, T lo, T hi, Roots& roots) {
   std::array<T, 2> x{};
   int count = 0;
-  roots.counters.evaluations = 1;  // of the formula
+  ++roots.counters.evaluations;  // of the formula
   if (c.size() == 2) {
     x[0] = -c[0] / c[1];
     count = 1;
@@ -95,16 +55,113 @@ void solve_power(std::span<const T> c, std::span<const T> c_error, T lo, T hi, R
   }
 }
 
+/// Appends the real roots of a polynomial of degree 3 or 4 whose coefficients are scaled and not zero at
+/// either end.
+template <class T>
+void solve_scaled(const power_basis::Problem<T>& problem, Roots& roots) {
+  const auto append = [&](bool solved, const auto& approximations) {
+    if (!solved) roots.status = Status::failed;
+    if (!solved) return;
+    for (const ComplexRoot<T>& z : approximations)
+      power_basis::add_if_real(problem, {z.re, z.im}, /*polish=*/false, roots);
+  };
+  int steps = 0;
+  const auto& c = problem.c;
+  if (problem.degree() == 3) {
+    std::array<ComplexRoot<T>, 3> found;
+    append(cubic_roots<T>({c[0], c[1], c[2], c[3]}, found, steps), found);
+  } else {
+    std::array<ComplexRoot<T>, 4> found;
+    append(quartic_roots<T>({c[0], c[1], c[2], c[3], c[4]}, found, steps), found);
+  }
+  roots.counters.iterations += static_cast<std::uint32_t>(steps);
+  ++roots.counters.evaluations;  // of the formula
+  power_basis::sort_and_merge(problem, roots);
+}
+
+/// Degree 3 or 4, neither end zero: by a polynomial of scaled coefficients and unknown.
+template <class T>
+void solve_higher(std::span<const T> c, std::span<const T> c_error, T lo, T hi, Roots& roots) {
+  FiveCoefficients<T> scaled{}, scaled_error{};
+  const std::span<T> c_scaled{scaled.data(), c.size()}, error_scaled{scaled_error.data(), c_error.size()};
+  const power_basis::PowersOfTwo powers = power_basis::scale_coefficients(c, c_scaled);
+  for (std::size_t i = 0; i < c_error.size(); ++i)
+    error_scaled[i] = std::ldexp(c_error[i], static_cast<int>(i) * powers.shift - powers.power);
+  solve_scaled<T>({c_scaled, error_scaled, std::ldexp(lo, -powers.shift), std::ldexp(hi, -powers.shift)},
+                  roots);
+  for (Root& root : roots.list) {
+    const T x = std::ldexp(static_cast<T>(root.x), powers.shift);
+    root.x = static_cast<double>(std::clamp(x, lo, hi));
+    root.radius = std::ldexp(root.radius, powers.shift);
+  }
+}
+
+/// k trailing zeros of a cubic or quartic are the root 0 of multiplicity k; what is left is solved by itself.
+template <class T>
+void solve_with_zeros(std::span<const T> c, std::span<const T> c_error, T lo, T hi, Roots& roots) {
+  std::size_t zeros = 0;
+  while (c[zeros] == 0) ++zeros;
+  const auto cut = [zeros](std::span<const T> v) { return v.empty() ? v : v.subspan(zeros); };
+  const std::span<const T> rest = cut(c), rest_error = cut(c_error);
+  if (rest.size() > 3) {
+    solve_higher(rest, rest_error, lo, hi, roots);
+  } else if (rest.size() > 1) {
+    solve_quadratic(rest, rest_error, lo, hi, roots);
+  }
+  if (zeros == 0 || !(lo <= 0 && 0 <= hi)) return;
+  // A root that underflowed to zero is the same one.
+  const auto place =
+      std::find_if(roots.list.begin(), roots.list.end(), [](const Root& r) { return r.x >= 0; });
+  if (place != roots.list.end() && place->x == 0) {
+    place->multiplicity += static_cast<std::uint32_t>(zeros);
+  } else {
+    roots.list.insert(place, {.x = 0, .others = {}, .multiplicity = static_cast<std::uint32_t>(zeros)});
+  }
+}
+
+template <class T>
+void solve_power(std::span<const T> c, std::span<const T> c_error, T lo, T hi, Roots& roots) {
+  while (!c.empty() && c.back() == 0) c = c.first(c.size() - 1);
+  if (!c_error.empty()) c_error = c_error.first(c.size());
+  if (c.empty()) {
+    roots.status = Status::coincident;
+  } else if (c.size() > kMostCoefficients) {
+    roots.status = Status::failed;
+  } else if (c.size() > 3) {
+    solve_with_zeros(c, c_error, lo, hi, roots);
+  } else {
+    solve_quadratic(c, c_error, lo, hi, roots);
+  }
+}
+
+/// Power coefficients on [0, 1] of a cubic or quartic in Bernstein form, changed in double, with bounds on
+/// their errors.
+template <class T>
+void solve_higher_bernstein(std::span<const T> b, std::span<const T> b_error, Roots& roots) {
+  FiveCoefficients<double> from{}, from_error{}, to{}, to_error{};
+  std::copy(b.begin(), b.end(), from.begin());
+  std::copy(b_error.begin(), b_error.end(), from_error.begin());
+  const auto used = [&](auto& v) { return std::span(v).first(b.size()); };
+  bernstein_to_power(used(from), std::span<const double>(from_error).first(b_error.size()), used(to),
+                     used(to_error));
+  FiveCoefficients<T> c{}, c_error{};
+  for (std::size_t i = 0; i < b.size(); ++i) {
+    c[i] = static_cast<T>(to[i]);
+    c_error[i] = static_cast<T>(to_error[i] + std::fabs(static_cast<double>(c[i]) - to[i]));
+  }
+  solve_power<T>(used(c), used(c_error), 0, 1, roots);
+}
+
 }  // namespace
 
 SolverInfo ClosedForm::info() {
   SolverInfo info;
-  info.summary = "the quadratic formula without cancellation";
-  info.source = "Kahan 2004; Jeannerod, Louvet, Muller, Math. Comp. 82 (2013)";
+  info.summary = "formulas for degrees up to 4 without cancellation";
+  info.source = "Kahan 1986, 2004; Orellana, De Michele, ACM TOMS 46(2), 2020 (Algorithm 1010)";
   info.page = "solvers/closed_form.md";
   info.claims = {.finds_touching_roots = true, .certified = false, .deterministic = true};
   info.forms = {Form::polynomial};
-  info.max_degree = 2;
+  info.max_degree = 4;
   return info;
 }
 
@@ -123,15 +180,19 @@ void ClosedForm::solve(const BasicPolynomialEquation<T>& equation, Roots& roots)
   std::span<const T> b = equation.c;
   // A constant of any nominal degree.
   if (std::adjacent_find(b.begin(), b.end(), std::not_equal_to<>()) == b.end()) b = b.first(1);
-  std::array<T, 3> c{};
-  if (b.size() > c.size()) {
+  if (b.size() > kMostCoefficients) {
     roots.status = Status::failed;
     return;
   }
-  if (b.size() == 1) c = {b[0], 0, 0};
-  if (b.size() == 2) c = {b[0], b[1] - b[0], 0};
-  if (b.size() == 3) c = {b[0], 2 * (b[1] - b[0]), (b[0] - b[1]) + (b[2] - b[1])};
-  solve_power<T>(c, {}, 0, 1, roots);
+  if (b.size() > 3) {
+    solve_higher_bernstein(b, equation.c_error, roots);
+  } else {
+    std::array<T, 3> c{};
+    if (b.size() == 1) c = {b[0], 0, 0};
+    if (b.size() == 2) c = {b[0], b[1] - b[0], 0};
+    if (b.size() == 3) c = {b[0], 2 * (b[1] - b[0]), (b[0] - b[1]) + (b[2] - b[1])};
+    solve_power<T>(c, {}, 0, 1, roots);
+  }
   const auto lo = static_cast<double>(equation.lo), hi = static_cast<double>(equation.hi);
   for (Root& root : roots.list) {
     root.x = root.x == 1 ? hi : std::fma(root.x, hi - lo, lo);

@@ -16,14 +16,15 @@
 //           epsilons after document 003
 #pragma once
 
+#include <graze/solvers/interval_search.hpp>
 #include <graze/solvers/solver.hpp>
 
 namespace graze {
 
 class IntervalBisection {
  public:
-  static constexpr double kDefaultEps = 0x1p-44;
-  static constexpr double kDefaultGrazingEps = 0x1p-24;
+  static constexpr double kDefaultEps = inclusion::kDefaultEps;
+  static constexpr double kDefaultGrazingEps = inclusion::kDefaultGrazingEps;
 
   static SolverInfo info();
   explicit IntervalBisection(const Parameters& options);

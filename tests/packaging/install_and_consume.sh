@@ -40,7 +40,7 @@ fi
 
 # Every installed component can be asked for alone, and brings what it needs.
 for file in "$work"/prefix/lib*/cmake/graze/graze-*.cmake "$work"/prefix/lib/*/cmake/graze/graze-*.cmake; do
-  [[ $file =~ graze-([a-z]+)\.cmake$ ]] || continue
+  [[ $file =~ graze-([a-z_]+)\.cmake$ ]] || continue
   component=${BASH_REMATCH[1]}
   configure "only-$component" "$component" surfaces || { cat "$work/only-$component.log"; fail "component $component"; }
   echo "component $component: found"

@@ -136,6 +136,19 @@ inline SurfaceSpec disk(Vec3 center, Vec3 normal, double radius) {
 /// A polygon that is not convex, in the plane x + 2y + z = 2.
 inline Table arrow_points() { return {{3, 0, -1}, {0, 1, 0}, {-3, 1, 3}, {1, -1, 3}, {1, 0, 1}}; }
 
+/// Under a sanitizer everything takes ten times as long: a few rays show what it looks for.
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool kSanitized = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+inline constexpr bool kSanitized = true;
+#else
+inline constexpr bool kSanitized = false;
+#endif
+#else
+inline constexpr bool kSanitized = false;
+#endif
+
 /// Surfaces of each type to run the contract on. A new surface adds its line here.
 inline std::vector<SurfaceSpec> examples(std::string_view type) {
   if (type == "teardrop") return {teardrop(1), teardrop(1.7)};

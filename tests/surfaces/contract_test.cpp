@@ -1,3 +1,4 @@
+// shards: 8
 // What every (surface, formulation, solver) cell of the build must do, one named case a cell; and that a
 // surface defined here, outside the library, is as good as a built-in one.
 #include <gtest/gtest.h>
@@ -20,7 +21,10 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 class SurfaceCell : public testing::TestWithParam<Cell> {
  protected:
   /// Solvers from random starts cost the most.
-  static std::size_t each() { return GetParam().solver->info.claims.deterministic ? 40 : 6; }
+  static std::size_t each() {
+    if (kSanitized) return GetParam().solver->info.claims.deterministic ? 8 : 3;
+    return GetParam().solver->info.claims.deterministic ? 40 : 6;
+  }
   static std::vector<SurfaceSpec> specs() { return examples(GetParam().surface->name); }
   static std::vector<Ray> rays(const SurfaceSpec& spec) {
     return mixed_rays(*GetParam().surface->make(spec), each(), kSeed);
@@ -190,10 +194,12 @@ TEST_P(SurfaceCell, AQuarterTurnAboutTheAxisKeepsTheHits) {
   }
   std::printf("%s: %zu of %zu rays differ in count, worst relative difference %.2g\n",
               GetParam().name().c_str(), different, count, worst);
-  // Random starts differ between the two, and may find a different number of roots on a few rays.
-  EXPECT_LE(different, GetParam().solver->info.claims.deterministic ? 0 : count / 5);
+  // Random starts differ between the two, and may find a different number of roots on a few rays; in float
+  // the rounding of coefficients in a bad basis may lose a pair on one side and not on the other.
+  const std::size_t allowed = GetParam().in_float() ? count / 50 : 0;
+  EXPECT_LE(different, GetParam().solver->info.claims.deterministic ? allowed : count / 5);
   // A grazing hit may lose half of a float's 24 bits, and the condition of the basis as much again.
-  EXPECT_LE(worst, GetParam().in_float() ? 0.1 : 1e-8);
+  EXPECT_LE(worst, GetParam().in_float() ? 0.25 : 1e-8);
 }
 
 INSTANTIATE_TEST_SUITE_P(Cells, SurfaceCell, testing::ValuesIn(all_cells()),

@@ -1,0 +1,36 @@
+// Newton's method from equidistant starts; for polynomials from outside all roots, with Maehly's
+// suppression.
+//
+// solves    p(x) = 0 (form polynomial, either basis) or f(x) = 0 (form scalar) on [lo, hi]
+// needs     polynomial: finite coefficients; scalar: f smooth, with its derivatives and error bound
+// returns   ok with the distinct roots it found: nothing says that there are no others; coincident for
+//           the zero polynomial; invalid for numbers that are not a question. A start that leads nowhere
+//           is no failure: that is how the method sees that no root is there
+// error     measured (solvers/newton.md); radius = what the error bound of f leaves open
+// cost      polynomial: about 10 steps a root of all real roots, inside the interval or not, and `starts`
+//           more descents where some roots are not real; scalar: `starts` descents. Allocates for the
+//           list of all roots of a polynomial
+// source    Maehly, Z. angew. Math. Phys. 5 (1954); Stoer, Bulirsch, section 5.5
+#pragma once
+
+#include <graze/solvers/power_basis.hpp>
+#include <graze/solvers/solver.hpp>
+
+namespace graze {
+
+class Newton {
+ public:
+  static SolverInfo info();
+  explicit Newton(const Parameters& options);
+  template <class T>  // double, float
+  void solve(const BasicPolynomialEquation<T>& equation, Roots& roots) const;
+  template <class T>
+  void solve(const BasicScalarEquation<T>& equation, Roots& roots) const;
+
+ private:
+  int starts_;
+};
+
+static_assert(Solver<Newton>);
+
+}  // namespace graze

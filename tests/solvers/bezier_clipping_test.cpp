@@ -1,0 +1,127 @@
+// Bezier clipping: the paper's convergence, touching roots, the published hard inputs.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include <graze/solvers/bezier_clipping.hpp>
+
+#include "solvers/realroots_testing.hpp"
+
+namespace graze {
+namespace {
+
+using namespace realroots;
+
+const Parameters kNone;
+
+Roots ask(const std::vector<double>& c, double lo = -kInfinity, double hi = kInfinity) {
+  return solve(BezierClipping(kNone), c, lo, hi);
+}
+
+TEST(BezierClipping, RandomPolynomialsGetEveryRootToRounding) {
+  constexpr std::uint64_t kSeed = 20261122;
+  Rng rng(kSeed);
+  double worst = 0;
+  for (int degree = 2; degree <= 20; ++degree) {
+    double pieces = 0, found = 0;
+    constexpr int kCount = 200;
+    for (int i = 0; i < kCount; ++i) {
+      const std::vector<double> c = random_coefficients(rng, degree);
+      const Roots roots = ask(c, -1, 1);
+      EXPECT_EQ(roots.status, Status::ok);
+      EXPECT_GE(static_cast<int>(roots.list.size()), sign_changes_on_a_grid(c, -1, 1, 256)) << degree;
+      for (const Root& root : roots.list)
+        if (root.multiplicity == 1) worst = std::max(worst, backward_error(c, root.x));
+      pieces += roots.counters.iterations;
+      found += static_cast<double>(roots.list.size());
+    }
+    std::printf("degree %2d: %.2f roots, %.1f pieces\n", degree, found / kCount, pieces / kCount);
+  }
+  std::printf("seed %llu: worst backward error %.3g n u\n", static_cast<unsigned long long>(kSeed), worst);
+  EXPECT_LE(worst, BezierClipping::kMeasuredBackward);
+}
+
+// Sederberg and Nishita: clipping converges quadratically to a simple root. From width 1 to 2^-53 that is
+// 1, 2, 4, ... 53 digits: 6 doublings, and the pieces that isolate.
+TEST(BezierClipping, ClippingConvergesQuadraticallyToASimpleRoot) {
+  const Roots roots = ask({-0.3, 0.9, 0.2, 0.1}, 0, 1);
+  ASSERT_EQ(roots.list.size(), 1U);
+  EXPECT_LE(roots.counters.iterations, 7U);
+}
+
+// Without clips that count every piece is halved: bisection needs a piece a bit and more.
+TEST(BezierClipping, RefusingClipsLeavesBisection) {
+  Parameters options;
+  options.set("split", 0.999999);
+  const Roots halved = solve(BezierClipping(options), std::vector<double>{-0.3, 0.9, 0.2, 0.1}, 0, 1);
+  ASSERT_EQ(halved.list.size(), 1U);
+  EXPECT_GT(halved.counters.iterations, 8U);
+  EXPECT_NEAR(halved.list[0].x, ask({-0.3, 0.9, 0.2, 0.1}, 0, 1).list[0].x, 0x1p-52);
+}
+
+TEST(BezierClipping, ATouchingRootHasMultiplicityTwo) {
+  const double t = 1.0 / 3;
+  const Roots roots = ask({-2 * t * t, t * t + 4 * t, -2 - 2 * t, 1}, -1, 4);
+  ASSERT_EQ(roots.list.size(), 2U);
+  EXPECT_EQ(roots.list[0].multiplicity, 2U);
+  EXPECT_NEAR(roots.list[0].x, t, 1e-8);
+  EXPECT_LE(std::fabs(roots.list[0].x - t), roots.list[0].radius);
+  EXPECT_EQ(roots.list[1].multiplicity, 1U);
+}
+
+TEST(BezierClipping, APairOffTheAxisByMoreThanRoundingIsNoRoot) {
+  EXPECT_TRUE(ask({1 + 0x1p-40, -2, 1}).list.empty());
+}
+
+TEST(BezierClipping, ATripleRootCountsOnceAsAChangeOfSign) {
+  const Roots roots = ask({-1, 3, -3, 1});
+  ASSERT_EQ(roots.list.size(), 1U);
+  EXPECT_EQ(roots.list[0].multiplicity, 1U);
+  EXPECT_NEAR(roots.list[0].x, 1, 2e-5);
+}
+
+TEST(BezierClipping, RootsAtClosedEndsCountWithinRounding) {
+  EXPECT_EQ(ask({-1, 3}, 1.0 / 3, 1).list.size(), 1U);
+  EXPECT_EQ(ask({-1, 3}, 0, 1.0 / 3).list.size(), 1U);
+  EXPECT_TRUE(ask({-1, 3}, 0.3333334, 1).list.empty());
+}
+
+TEST(BezierClipping, PowersOfTwoScaleTheRootsExactly) {
+  Rng rng(7);
+  for (int i = 0; i < 300; ++i) {
+    const std::vector<double> c = random_coefficients(rng, 1 + i % 14);
+    for (const auto& [k, m] : {std::pair{900, 0}, std::pair{-900, 0}, std::pair{3, 40}, std::pair{-5, -60}})
+      EXPECT_TRUE(scales_exactly(BezierClipping(kNone), c, k, m)) << i << " " << k << " " << m;
+  }
+}
+
+TEST(BezierClipping, PublishedHardInputsAreSolvedToTheirCondition) {
+  const std::vector<std::string> merged{"Wilkinson 1963, degree 20", "cluster 1 +- 2^-26",
+                                        "cluster 1, 1 +- 2^-16"};
+  const auto all = hard_polynomials();
+  ASSERT_GE(all.size(), 21U);
+  for (const HardPolynomial& p : all) {
+    const Roots roots = ask(p.c);
+    const double error = worst_error(p, roots);
+    std::printf("%-70.70s %zu roots, %.3g condition units, %u pieces\n", p.origin.c_str(), roots.list.size(),
+                error, roots.counters.iterations);
+    EXPECT_EQ(roots.status, Status::ok) << p.origin;
+    if (is_one_of(p.origin, merged)) continue;
+    EXPECT_LE(error, 1) << p.origin;
+  }
+}
+
+TEST(BezierClipping, ABudgetThatIsTooSmallIsAFailureAndNoMiss) {
+  Parameters options;
+  options.set("budget", 10.0);
+  EXPECT_EQ(solve(BezierClipping(options), hard_polynomials()[8].c).status, Status::failed);
+}
+
+TEST(BezierClipping, OptionsAreChecked) {
+  Parameters options;
+  options.set("split", 1.0);
+  EXPECT_THROW(BezierClipping{options}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace graze

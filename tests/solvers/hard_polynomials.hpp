@@ -1,0 +1,81 @@
+// tests/data/polynomials_hard.jsonl for the tests of methods that promise changes of sign and not more.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <graze/solvers/math/polynomial.hpp>
+#include <graze/solvers/roots.hpp>
+
+namespace graze {
+
+struct HardPolynomial {
+  std::string origin;
+  std::vector<double> c;
+  std::vector<double> roots;  ///< the published 40 digits, rounded
+
+  /// What a relative change of every coefficient by n u moves root x by, to first order.
+  [[nodiscard]] double condition_radius(double x) const {
+    const double n = static_cast<double>(c.size()) - 1;
+    double size = 0;
+    for (std::size_t i = c.size(); i-- > 0;) size = size * std::fabs(x) + std::fabs(c[i]);
+    return n * 0x1p-53 * size / std::fabs(evaluate_with_derivative(c, x).derivative);
+  }
+};
+
+/// The quoted strings of the list that follows "key": in a line of JSON.
+inline std::vector<std::string> quoted_after(const std::string& line, const std::string& key) {
+  const std::size_t start = line.find("\"" + key + "\":");
+  if (start == std::string::npos) throw std::runtime_error("no " + key + " in: " + line);
+  const std::size_t colon = start + key.size() + 3;
+  const std::size_t first = line.find_first_not_of(' ', colon);
+  const std::size_t end = line[first] == '[' ? line.find(']', first) : line.find(',', first);
+  std::vector<std::string> strings;
+  for (std::size_t open = line.find('"', first); open < end; open = line.find('"', open + 1)) {
+    const std::size_t close = line.find('"', open + 1);
+    strings.push_back(line.substr(open + 1, close - open - 1));
+    open = close;
+  }
+  return strings;
+}
+
+inline std::vector<HardPolynomial> hard_polynomials() {
+  std::ifstream file(std::string(GRAZE_TEST_DATA) + "/polynomials_hard.jsonl");
+  std::vector<HardPolynomial> all;
+  for (std::string line; std::getline(file, line);) {
+    HardPolynomial hard;
+    hard.origin = quoted_after(line, "origin").at(0);
+    for (const std::string& c : quoted_after(line, "c")) hard.c.push_back(std::strtod(c.c_str(), nullptr));
+    for (const std::string& x : quoted_after(line, "roots"))
+      hard.roots.push_back(std::strtod(x.c_str(), nullptr));
+    all.push_back(hard);
+  }
+  if (all.size() < 20) throw std::runtime_error("tests/data/polynomials_hard.jsonl is not what it was");
+  return all;
+}
+
+/// How many of the true roots are listed within `factor` times what n u in the coefficients does to them,
+/// plus 4 ulps; prints the misses.
+inline std::size_t count_right(const HardPolynomial& hard, const Roots& roots, double factor) {
+  std::size_t right = 0;
+  for (const double x : hard.roots) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Root& root : roots.list) nearest = std::min(nearest, std::fabs(root.x - x));
+    const double allowed = factor * hard.condition_radius(x) + 0x1p-50 * std::fabs(x);
+    if (nearest <= allowed) {
+      ++right;
+    } else {
+      std::printf("%s: root %.17g: nearest %.3g away, allowed %.3g\n", hard.origin.c_str(), x, nearest,
+                  allowed);
+    }
+  }
+  return right;
+}
+
+}  // namespace graze
