@@ -17,7 +17,7 @@ namespace {
 struct BenchOptions {
   std::string surface;
   std::vector<std::string> cases;
-  std::string solvers;
+  std::string solvers = std::string(kDefaultSolver);
   std::string formulation;
   std::string precision = "double";
   std::string query = "first";
@@ -207,9 +207,8 @@ Action add_bench_command(CLI::App& app) {
       ->required();
   command
       ->add_option("--solver", options->solvers,
-                   "solvers to compare: A,B:key=value,C; or all that take the surface")
-      ->type_name("A,B,...|all")
-      ->required();
+                   "solvers to compare: A,B:key=value,C; or all that take the surface (default certified)")
+      ->type_name("A,B,...|all");
   command->add_option("--case", options->cases, "case families (default camera)")
       ->type_name("NAME,...")
       ->delimiter(',');

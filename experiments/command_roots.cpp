@@ -11,7 +11,7 @@ namespace graze {
 namespace {
 
 struct RootsOptions {
-  std::string solver;
+  std::string solver = std::string(kDefaultSolver);
   std::string precision = "double";
   std::string polynomials;
   bool keep_going = false;
@@ -105,9 +105,8 @@ void find_roots(const RootsOptions& options) {
 Action add_roots_command(CLI::App& app) {
   CLI::App* const command = app.add_subcommand("roots", "real roots of polynomials, by one solver or truth");
   const auto options = std::make_shared<RootsOptions>();
-  command->add_option("--solver", options->solver, "solver with options, or truth")
-      ->type_name("NAME[:key=value,...]|truth")
-      ->required();
+  command->add_option("--solver", options->solver, "solver with options, or truth (default certified)")
+      ->type_name("NAME[:key=value,...]|truth");
   add_precision_option(*command, options->precision);
   command->add_flag("--keep-going", options->keep_going, "answer a bad line with status invalid and go on");
   command->add_option(

@@ -136,7 +136,7 @@ void append_status(fmt::memory_buffer& out, Status status, std::string_view why)
 // --------------------------------------------------------------------------------------------------- solve
 
 struct SolveOptions : StreamOptions {
-  std::string solver;
+  std::string solver = std::string(kDefaultSolver);
   std::string formulation;
   std::string precision = "double";
 };
@@ -250,9 +250,8 @@ Action add_solve_command(CLI::App& app) {
   options->add_to(*command);
   command
       ->add_option("--solver", options->solver,
-                   "solver with options: newton_slices:tries=50 (see graze list)")
-      ->type_name("NAME[:key=value,...]")
-      ->required();
+                   "solver with options: newton_slices:tries=50 (see graze list; default certified)")
+      ->type_name("NAME[:key=value,...]");
   command
       ->add_option("--formulation", options->formulation,
                    "equation to solve (default: the solver's preference)")

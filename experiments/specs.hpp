@@ -11,6 +11,9 @@
 
 namespace graze {
 
+/// The solver of every command that takes one, unless another is named.
+inline constexpr std::string_view kDefaultSolver = "certified";
+
 /// "companion:polish=true": a registry name with options.
 struct SolverSpec {
   std::string name;

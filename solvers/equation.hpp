@@ -46,6 +46,15 @@ struct Epsilons {
 
 enum class Basis : std::uint8_t { power, bernstein };
 
+class Dyadic;  // math/big_integer.hpp
+
+/// Where a solver gets the coefficients without rounding, if it must: `get` fills c, as many as the equation
+/// has, in its basis. Null: the surface cannot say.
+struct ExactCoefficients {
+  const void* self = nullptr;
+  void (*get)(const void* self, std::span<Dyadic> c) = nullptr;
+};
+
 /// sum_i c[i] x^i = 0 (power, ascending), or sum_i c[i] B_{i,n}((x - lo)/(hi - lo)) = 0 (Bernstein),
 /// wanted on the closed interval [lo, hi]; lo = -inf, hi = inf asks for all real roots (power only).
 /// `c_error` is empty (the coefficients are exact numbers) or bounds |c[i] - true c[i]|.
@@ -57,6 +66,7 @@ struct BasicPolynomialEquation {
   T lo = -std::numeric_limits<T>::infinity();
   T hi = std::numeric_limits<T>::infinity();
   Epsilons epsilons;
+  ExactCoefficients exact{};
 };
 using PolynomialEquation = BasicPolynomialEquation<double>;
 

@@ -1,6 +1,7 @@
 // What a solver returns: roots with what is known about them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -26,12 +27,14 @@ struct Counters {
   std::uint32_t iterations = 0;   ///< steps of the method: Newton steps, bisections, QR sweeps
   std::uint32_t starts = 0;       ///< start values tried, for methods that have them
   std::uint32_t tests = 0;        ///< of a surface's parts before any equation: planes, slabs, edges
+  std::uint32_t tier = 0;         ///< of a ladder's arithmetics, the highest that was needed (certified.md)
 
   Counters& operator+=(const Counters& other) {
     evaluations += other.evaluations;
     iterations += other.iterations;
     starts += other.starts;
     tests += other.tests;
+    tier = std::max(tier, other.tier);
     return *this;
   }
 };

@@ -26,13 +26,16 @@ struct SolverInfo {
   };
   std::vector<Option> options;
   struct Claims {
-    bool finds_touching_roots = false;  ///< sees a root of even multiplicity
-    bool certified = false;             ///< status ok means: the roots, all of them and no other, proved
-    bool deterministic = true;          ///< no random start values
+    /// Sees a root of even multiplicity. Not in form interval: inclusions cannot tell a touch from a miss.
+    bool finds_touching_roots = false;
+    bool certified = false;     ///< status ok means: the roots, all of them and no other, proved
+    bool deterministic = true;  ///< no random start values
   } claims;
   /// Forms it takes, best first: where a surface offers several formulations and the user names none,
   /// the first form that the surface offers is used.
   std::vector<Form> forms;
+  /// Takes the surface's first formulation that it can, in whatever form, instead of its own best form.
+  bool trusts_surface = false;
   int max_degree = 0;  ///< of the polynomials it takes; 0: any. Above it the answer is `failed`
 };
 

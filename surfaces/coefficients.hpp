@@ -32,10 +32,19 @@ T exactly(double x) {
 template <class T>
 requires std::is_floating_point_v<T> T sqr(T x) { return x * x; }
 
-/// The point p at l = centre: as rounded in `ray`, or enclosed.
+/// Exact coefficients by `make(c)`, which fills a span of dyadics; it lives as long as the block's equations.
+template <class Make>
+ExactCoefficients exact_by(Arena& arena, const Make& make) {
+  return {arena.make(make), [](const void* self, std::span<Dyadic> c) { (*static_cast<const Make*>(self))(c); }};
+}
+
+/// The point p at l = centre: as rounded in `ray`, enclosed, or exactly.
 template <class T>
 std::array<T, 3> recentred_point(const LocalRay& ray) {
-  if constexpr (std::is_same_v<T, Interval>) {
+  if constexpr (std::is_same_v<T, Dyadic>) {
+    const auto coordinate = [&](double o, double d) { return T(o) + T(ray.centre) * T(d); };
+    return {coordinate(ray.o.x, ray.d.x), coordinate(ray.o.y, ray.d.y), coordinate(ray.o.z, ray.d.z)};
+  } else if constexpr (std::is_same_v<T, Interval>) {
     if (ray.centre == 0) return {point(ray.o.x), point(ray.o.y), point(ray.o.z)};
     // The product exactly, so that only what is left after the large parts cancel is rounded.
     const auto coordinate = [&](double o, double d) {
@@ -157,7 +166,7 @@ BasicScalarEquation<T> scalar_equation(const Function* self, double lo, double h
 
 template <class T>
 void pose_stored(EquationBlock& block, std::uint32_t kind, Basis basis, double lo, double hi,
-                 Epsilons epsilons, const Stored<T>& stored) {
+                 Epsilons epsilons, const Stored<T>& stored, const ExactCoefficients& exact = {}) {
   if (!stored.is_finite()) return block.settle(Status::failed);
   epsilons.shallow = kShallow * largest(stored.c);
   block.pose(BasicPolynomialEquation<T>{.c = stored.c,
@@ -165,7 +174,8 @@ void pose_stored(EquationBlock& block, std::uint32_t kind, Basis basis, double l
                                         .basis = basis,
                                         .lo = lower_end<T>(lo),
                                         .hi = upper_end<T>(hi),
-                                        .epsilons = epsilons},
+                                        .epsilons = epsilons,
+                                        .exact = exact},
              kind);
 }
 
@@ -235,10 +245,11 @@ inline Epsilons sharp_epsilons(Arena& arena, double scale, double largest_coeffi
 
 /// Poses a polynomial in delta (power basis) on [lo, hi] in the block's form: as it is, or as a function of
 /// delta. An infinite hi is replaced by a bound of all roots, where one is known: solvers that search need an
-/// interval; epsilons are sharp ones, in local units. `seed` and `max_roots` as in ScalarEquation.
+/// interval; epsilons are sharp ones, in local units. `seed` and `max_roots` as in ScalarEquation; `exact`
+/// are the polynomial's own coefficients, where `make` rounds them.
 template <class Make>
 void pose_in_delta(EquationBlock& block, std::uint32_t kind, double lo, double hi, std::uint64_t seed,
-                   int max_roots, const Make& make) {
+                   int max_roots, const Make& make, const ExactCoefficients& exact = {}) {
   with_coefficients(block, make, [&](auto c) {
     const auto stored = detail::store_coefficients(block.arena(), c);
     using T = std::remove_const_t<typename decltype(stored.c)::value_type>;
@@ -248,7 +259,7 @@ void pose_in_delta(EquationBlock& block, std::uint32_t kind, double lo, double h
     if (end < lo) return;  // every root lies before the ray's origin
     if (block.form() == Form::polynomial) {
       return detail::pose_stored(block, kind, Basis::power, lo, end, sharp_epsilons(block.arena(), 1, 0),
-                                 stored);
+                                 stored, exact);
     }
     if (!std::isfinite(end)) return block.settle(Status::failed);
     const auto* const self = block.arena().make(detail::PolynomialFunction<T>{stored});

@@ -39,6 +39,12 @@ class HitBuffer {
   [[nodiscard]] std::size_t end(std::size_t ray) const { return ends_[ray]; }
   [[nodiscard]] std::size_t count(std::size_t ray) const { return end(ray) - begin(ray); }
 
+  /// A hit of the ray that is closed next.
+  void append(double hit_l, std::uint32_t hit_surface, std::uint32_t hit_multiplicity) {
+    l.push_back(hit_l);
+    surface.push_back(hit_surface);
+    multiplicity.push_back(hit_multiplicity);
+  }
   /// Closes the answer of the next ray: the hits appended since the last call are its hits.
   void close_ray(Status ray_status, Counters ray_counters) {
     ends_.push_back(static_cast<std::uint32_t>(l.size()));

@@ -9,6 +9,7 @@
 #include <graze/solvers/math/rng.hpp>
 #include <graze/solvers/math/scaling.hpp>
 #include <graze/surfaces/coefficients.hpp>
+#include <graze/solvers/math/big_integer.hpp>
 #include <graze/surfaces/recentred_ball.hpp>
 
 namespace graze {
@@ -158,11 +159,16 @@ void pose_on(const PolynomialTerms& f, const LocalRay& ray, const Univariate<Dou
                farthest = std::max(std::fabs(lo), std::fabs(hi));
   // The size of the roots that may lie there.
   const double scale = lo <= 0 && hi >= 0 ? std::min(1.0, farthest) : std::max(nearest, farthest / 64);
-  pose_balls(block, c, lo, hi, scale, ray.seed(), [&] {
+  const auto in_float = [&] {
     auto plain = restricted(f, recentred_point<float>(ray), components<float>(ray.d)).c;
     std::rotate(plain.begin(), plain.begin() + static_cast<std::ptrdiff_t>(zeros), plain.end());
     return plain;
-  });
+  };
+  const auto exact = [terms = &f, where = &ray, zeros](std::span<Dyadic> to) {
+    const auto all = restricted(*terms, recentred_point<Dyadic>(*where), components<Dyadic>(where->d)).c;
+    std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(zeros), to.size(), to.begin());
+  };
+  pose_balls(block, c, lo, hi, scale, ray.seed(), in_float, exact);
 }
 
 /// Far roots come with nearly asymptotic rays. Inclusions are wide on long intervals and epsilons follow the

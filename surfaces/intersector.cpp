@@ -13,7 +13,8 @@ bool offers(const FormulationInfo& formulation, Form form) {
   return std::find(formulation.forms.begin(), formulation.forms.end(), form) != formulation.forms.end();
 }
 
-/// Whether the solver takes this formulation in this form and arithmetic.
+/// Whether the solver takes this formulation in this form and arithmetic. A pairing is made before there is
+/// a surface: see why_limited.
 bool fits(const SolverEntry& solver, const FormulationInfo& formulation, Form form, Precision precision) {
   if (!offers(formulation, form) || !solver.takes(form, precision)) return false;
   // A degree that depends on the surface is none that a solver of limited degree can rely on.
@@ -60,6 +61,13 @@ Status worse(Status a, Status b) { return std::max(a, b); }
 static_assert(Status::ok < Status::uncertain && Status::uncertain < Status::failed &&
               Status::failed < Status::coincident && Status::coincident < Status::invalid);
 
+/// What a solver of limited degree may be refused for.
+std::string why_limited(const SolverEntry& solver) {
+  if (solver.info.max_degree == 0) return "";
+  return "; it takes polynomials up to degree " + std::to_string(solver.info.max_degree) +
+         ", and none whose degree depends on the surface";
+}
+
 std::string in_float(Precision precision) { return precision == Precision::binary32 ? " in float" : ""; }
 
 /// Hits of one surface at one l are one hit, unless the surface knows better: then they get neighbouring
@@ -97,7 +105,16 @@ Pairing pair_up(const SolverEntry& solver, const SurfaceEntry& surface, std::str
     if (const auto form = common_form(solver, surface.formulations[index], precision))
       return {index, *form, precision};
     throw std::invalid_argument("solver '" + std::string(solver.name) + "' takes no form of formulation '" +
-                                std::string(formulation) + "'" + in_float(precision) + " (see graze list)");
+                                std::string(formulation) + "'" + in_float(precision) + why_limited(solver) +
+                                " (see graze list)");
+  }
+  for (const KernelEntry& kernel : surface.kernels) {
+    if (kernel.solver == solver.name && precision == Precision::binary64)
+      return pair_up(solver, surface, kernel.formulation, precision);
+  }
+  for (std::size_t i = 0; solver.info.trusts_surface && i < surface.formulations.size(); ++i) {
+    if (const auto form = common_form(solver, surface.formulations[i], precision))
+      return {i, *form, precision};
   }
   for (const Form form : solver.info.forms) {
     for (std::size_t i = 0; i < surface.formulations.size(); ++i) {
@@ -106,7 +123,7 @@ Pairing pair_up(const SolverEntry& solver, const SurfaceEntry& surface, std::str
   }
   throw std::invalid_argument("solver '" + std::string(solver.name) + "' takes no form that surface '" +
                               std::string(surface.name) + "' offers" + in_float(precision) +
-                              " (see graze list)");
+                              why_limited(solver) + " (see graze list)");
 }
 
 std::vector<Pairing> all_pairings(const SolverEntry& solver, const SurfaceEntry& surface,
@@ -128,11 +145,18 @@ Intersector::Intersector(const SurfaceEntry& surface, const SolverEntry& solver,
       pairing_(pair_up(solver, surface, method.formulation, method.precision)),
       certified_(solver.info.claims.certified && !surface.formulations[pairing_.formulation].is_plain),
       group_(surface.make_group(pairing_.formulation)),
-      solver_(solver.make(method.options)) {}
+      solver_(solver.make(method.options)) {
+  for (const KernelEntry& kernel : surface.kernels) {
+    const bool is_ours =
+        kernel.solver == solver.name && kernel.formulation == surface.formulations[pairing_.formulation].name;
+    if (is_ours && pairing_.precision == Precision::binary64) kernel_ = kernel.make(method.options);
+  }
+}
 
 std::size_t Intersector::add(const SurfaceEntry& entry, const SurfaceSpec& spec) {
   check_names(spec, entry.name, entry.info);
   group_->add(spec);
+  if (kernel_ != nullptr) kernel_->add(spec);
   frames_.push_back({!spec.placement.is_identity(), spec.placement, inverse(spec.placement.matrix)});
   return frames_.size() - 1;
 }
@@ -143,15 +167,45 @@ bool Intersector::serves(const SurfaceEntry& surface, const SolverEntry& solver,
          pair_up(solver, surface, method.formulation, method.precision) == pairing_;
 }
 
-void Intersector::intersect(std::span<const Ray> rays, std::span<const Task> tasks, Workspace& work) const {
+void Intersector::intersect(std::span<const Ray> rays, std::span<const Task> tasks, bool all,
+                            Workspace& work) const {
+  work.hits.clear();
+  work.kernel_hits.clear();
+  work.solved = tasks;
+  if (kernel_ != nullptr) {
+    run_kernel(rays, tasks, all, work);
+    work.solved = work.open;
+  }
+  solve_tasks(rays, work);
+}
+
+/// Answers what the kernel can prove; the rest is left in work.open.
+void Intersector::run_kernel(std::span<const Ray> rays, std::span<const Task> tasks, bool all,
+                             Workspace& work) const {
+  to_object(rays, tasks, work);
+  kernel_->intersect(work.object_rays, work.numbers, all, work.kernel);
+  work.open.clear();
+  for (std::uint32_t i = 0; i < tasks.size(); ++i) {
+    if (work.kernel.hits[i] == KernelAnswers::kOpen) work.open.push_back(tasks[i]);
+    for (int k = 0; k < work.kernel.hits[i]; ++k) {
+      const bool touches = (work.kernel.touching[i] >> static_cast<unsigned>(k) & 1U) != 0;
+      work.kernel_hits.push_back({i, touches ? 2U : 1U, work.kernel.l[static_cast<std::size_t>(k)][i]});
+    }
+  }
+}
+
+/// Poses work.solved as equations.
+void Intersector::solve_tasks(std::span<const Ray> rays, Workspace& work) const {
+  const std::span<const Task> tasks = work.solved;
+  work.status.assign(tasks.size(), Status::ok);
+  work.counters.assign(tasks.size(), {});
+  if (tasks.empty()) return;
   localize(rays, tasks, work);
   const std::span<bool> inside{work.inside.data(), tasks.size()};
   work.equations.reset(pairing_.form, pairing_.precision, certified_);
   group_->pose(work.local, inside, work.equations);
   solve(work);
 
-  work.status.assign(tasks.size(), Status::ok);
-  work.counters.assign(tasks.size(), {});
   for (const auto& [task, status] : work.equations.settled())
     work.status[task] = worse(work.status[task], status);
   for (const auto& [task, tests] : work.equations.tests()) work.counters[task].tests += tests;
@@ -161,14 +215,13 @@ void Intersector::intersect(std::span<const Ray> rays, std::span<const Task> tas
     work.status[task] = worse(work.status[task], work.roots[i].status);
     work.counters[task] += work.roots[i].counters;
   }
-  work.hits.clear();
   group_->lift(work.local, work.equations, {work.roots.data(), count}, work.hits);
 }
 
-void Intersector::localize(std::span<const Ray> rays, std::span<const Task> tasks, Workspace& work) const {
+/// The tasks' rays in the object space of their surfaces.
+void Intersector::to_object(std::span<const Ray> rays, std::span<const Task> tasks, Workspace& work) const {
   work.object_rays.resize(tasks.size());
   work.numbers.resize(tasks.size());
-  work.local.resize(tasks.size());
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     const Ray& ray = rays[tasks[i].ray];
     const Frame& frame = frames_[tasks[i].surface];
@@ -177,6 +230,11 @@ void Intersector::localize(std::span<const Ray> rays, std::span<const Task> task
         frame.is_placed ? Ray{frame.to_object * (ray.o - frame.placement.translate), frame.to_object * ray.d}
                         : ray;
   }
+}
+
+void Intersector::localize(std::span<const Ray> rays, std::span<const Task> tasks, Workspace& work) const {
+  to_object(rays, tasks, work);
+  work.local.resize(tasks.size());
   group_->localize(work.object_rays, work.numbers, work.local, {work.inside.data(), tasks.size()});
 }
 
@@ -201,9 +259,10 @@ void Intersector::solve(Workspace& work) const {
   }
 }
 
-void Intersector::describe(std::span<const Ray> rays, std::span<const Task> tasks,
-                           std::span<const LocalHit> hits, Workspace& work) const {
+void Intersector::describe(std::span<const Ray> rays, std::span<const Task> tasks, std::span<LocalHit> hits,
+                           Workspace& work) const {
   localize(rays, tasks, work);
+  group_->place(work.local, hits);
   work.points.clear();
   group_->describe(work.local, hits, work.points);
   for (std::size_t i = 0; i < tasks.size(); ++i) {
@@ -263,9 +322,68 @@ const Scene::Culling& Scene::culling() const {
 void Scene::intersect(std::span<const Ray> rays, Query query, Wanted wanted, Workspace& work,
                       HitBuffer& out) const {
   work.tasks.resize(intersectors_.size());
+  work.query = query;
+  const AnyKernel* const kernel = lone_kernel(wanted);
   for (std::size_t i = 0; i < rays.size(); i += kBlock) {
-    answer_block(rays.subspan(i, std::min(kBlock, rays.size() - i)), query, wanted, work, out);
+    const std::span<const Ray> block = rays.subspan(i, std::min(kBlock, rays.size() - i));
+    if (kernel != nullptr) {
+      answer_by_kernel(*kernel, block, work, out);
+    } else {
+      answer_block(block, query, wanted, work, out);
+    }
   }
+}
+
+/// The kernel of a scene of one surface, where nothing but l is asked for: its answers are the scene's.
+const AnyKernel* Scene::lone_kernel(Wanted wanted) const {
+  const bool is_plain = !wanted.points && !wanted.normals && !wanted.params;
+  if (!is_plain || members_.size() != 1 || intersectors_.front().is_placed(0)) return nullptr;
+  return intersectors_.front().kernel();
+}
+
+void Scene::answer_by_kernel(const AnyKernel& kernel, std::span<const Ray> rays, Workspace& work,
+                             HitBuffer& out) const {
+  const bool all = work.query == Query::all;
+  KernelAnswers& answers = work.lone;
+  kernel.intersect(rays, all, answers);
+  work.hits.clear();
+  work.status.assign(rays.size(), Status::ok);
+  work.counters.assign(rays.size(), {});
+  work.nearest.assign(rays.size(), std::numeric_limits<double>::infinity());
+  std::vector<Task>& open = work.tasks.front();
+  for (std::uint32_t i = 0; i < rays.size(); ++i) {
+    if (answers.hits[i] != KernelAnswers::kOpen) continue;
+    if (is_valid(rays[i])) {
+      open.push_back({i, 0});
+    } else {
+      work.status[i] = Status::invalid;
+    }
+  }
+  if (!open.empty()) {
+    run(0, rays, work);
+    sort_hits(work);
+  }
+  std::size_t next = 0;
+  for (std::uint32_t i = 0; i < rays.size(); ++i) {
+    work.counters[i].tier = std::max<std::uint32_t>(work.counters[i].tier, answers.tier[i]);
+    for (int k = 0; k < answers.hits[i]; ++k) {
+      const bool touches = (answers.touching[i] >> static_cast<unsigned>(k) & 1U) != 0;
+      out.append(answers.l[static_cast<std::size_t>(k)][i], 0, touches ? 2U : 1U);
+    }
+    for (; next < work.hits.size() && work.hits[next].ray == i; ++next)
+      out.append(work.hits[next].l, 0, work.hits[next].local.multiplicity);
+    out.close_ray(work.status[i], work.counters[i]);
+  }
+}
+
+/// In the order of rays and l, what one surface meets at one l joined; without `all`, the first of each ray.
+void Scene::sort_hits(Workspace& work) const {
+  // Stable: of two hits at one l the surface's own order stands, as a solid's entry before its exit.
+  std::stable_sort(work.hits.begin(), work.hits.end(), [](const SceneHit& a, const SceneHit& b) {
+    return std::tie(a.ray, a.l, a.surface) < std::tie(b.ray, b.l, b.surface);
+  });
+  merge_equal(work.hits);
+  if (work.query != Query::all) keep_first(work.hits);
 }
 
 void Scene::answer_block(std::span<const Ray> rays, Query query, Wanted wanted, Workspace& work,
@@ -279,12 +397,7 @@ void Scene::answer_block(std::span<const Ray> rays, Query query, Wanted wanted, 
   ask_always(rays, work);
   if (culling_ && query == Query::all) ask_all(rays, work);
   if (culling_ && query != Query::all) ask_in_front(rays, query, work);
-  // Stable: of two hits at one l the surface's own order stands, as a solid's entry before its exit.
-  std::stable_sort(work.hits.begin(), work.hits.end(), [](const SceneHit& a, const SceneHit& b) {
-    return std::tie(a.ray, a.l, a.surface) < std::tie(b.ray, b.l, b.surface);
-  });
-  merge_equal(work.hits);
-  if (query != Query::all) keep_first(work.hits);
+  sort_hits(work);
   write_out(rays, wanted, work, out);
 }
 
@@ -359,24 +472,28 @@ void Scene::flush(std::span<const Ray> rays, Workspace& work) const {
 void Scene::run(std::size_t index, std::span<const Ray> rays, Workspace& work) const {
   std::vector<Task>& tasks = work.tasks[index];
   Intersector::Workspace& block = work.block;
-  intersectors_[index].intersect(rays, tasks, block);
-  for (std::size_t i = 0; i < tasks.size(); ++i) {
-    const std::uint32_t ray = tasks[i].ray;
+  intersectors_[index].intersect(rays, tasks, work.query == Query::all, block);
+  for (std::size_t i = 0; i < block.solved.size(); ++i) {
+    const std::uint32_t ray = block.solved[i].ray;
     work.status[ray] = worse(work.status[ray], block.status[i]);
     work.counters[ray] += block.counters[i];
   }
+  const auto add = [&](double l, Task task, const LocalHit& hit) {
+    if (!(l > 0 && std::isfinite(l))) return;
+    work.hits.push_back({l, task.ray, surface_of_[index][task.surface], hit});
+    work.nearest[task.ray] = std::min(work.nearest[task.ray], l);
+  };
   for (const LocalHit& hit : block.hits) {
-    const Task task = tasks[hit.ray];
+    const Task task = block.solved[hit.ray];
     if (hit.in_doubt) {  // proved to be a hit of the line, but not where on the ray
       work.status[task.ray] = worse(work.status[task.ray], Status::uncertain);
       continue;
     }
     const LocalRay& local = block.local[hit.ray];
-    const double l = scale_by_power(local.centre + hit.delta, local.l_exponent);
-    if (!(l > 0 && std::isfinite(l))) continue;
-    work.hits.push_back({l, task.ray, surface_of_[index][task.surface], hit});
-    work.nearest[task.ray] = std::min(work.nearest[task.ray], l);
+    add(scale_by_power(local.centre + hit.delta, local.l_exponent), task, hit);
   }
+  for (const KernelHit& hit : block.kernel_hits)
+    add(hit.l, tasks[hit.task], {.multiplicity = hit.multiplicity, .delta = hit.l, .is_world = true});
   tasks.clear();
 }
 
@@ -387,9 +504,7 @@ void Scene::write_out(std::span<const Ray> rays, Wanted wanted, Workspace& work,
     const Ray& ray = rays[i];
     for (; next < work.hits.size() && work.hits[next].ray == i; ++next) {
       const SceneHit& hit = work.hits[next];
-      out.l.push_back(hit.l);
-      out.surface.push_back(hit.surface);
-      out.multiplicity.push_back(hit.local.multiplicity);
+      out.append(hit.l, hit.surface, hit.local.multiplicity);
       if (!wanted.points) continue;
       out.point.push_back({std::fma(hit.l, ray.d.x, ray.o.x), std::fma(hit.l, ray.d.y, ray.o.y),
                            std::fma(hit.l, ray.d.z, ray.o.z)});

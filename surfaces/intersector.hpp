@@ -66,14 +66,18 @@ class Intersector {
   /// Memory for one thread, reused from batch to batch.
   class Workspace;
 
-  /// Hits of at most kBlock tasks, unsorted, in the workspace (local frames).
-  void intersect(std::span<const Ray> rays, std::span<const Task> tasks, Workspace& work) const;
+  /// Hits of at most kBlock tasks, unsorted, in the workspace: the kernel's as they are (kernel_hits), the
+  /// others in local frames (hits). Without `all` a kernel looks for the first hit only.
+  void intersect(std::span<const Ray> rays, std::span<const Task> tasks, bool all, Workspace& work) const;
   /// Normals (world) and parameters of hits, one task a hit (hits[i].ray = i), into work.points.
-  void describe(std::span<const Ray> rays, std::span<const Task> tasks, std::span<const LocalHit> hits,
+  void describe(std::span<const Ray> rays, std::span<const Task> tasks, std::span<LocalHit> hits,
                 Workspace& work) const;
 
   [[nodiscard]] const Pairing& pairing() const { return pairing_; }
   [[nodiscard]] const AnyGroup& group() const { return *group_; }
+  /// The surface's own batch kernel for this cell; null if it has none.
+  [[nodiscard]] const AnyKernel* kernel() const { return kernel_.get(); }
+  [[nodiscard]] bool is_placed(std::size_t surface) const { return frames_[surface].is_placed; }
   [[nodiscard]] Bounds bounds(std::size_t surface) const {
     return placed(group_->bounds(surface), frames_[surface].placement);
   }
@@ -81,7 +85,10 @@ class Intersector {
   static constexpr std::size_t kBlock = 256;  ///< the working set of a block stays in the L2 cache
 
  private:
+  void to_object(std::span<const Ray> rays, std::span<const Task> tasks, Workspace& work) const;
   void localize(std::span<const Ray> rays, std::span<const Task> tasks, Workspace& work) const;
+  void run_kernel(std::span<const Ray> rays, std::span<const Task> tasks, bool all, Workspace& work) const;
+  void solve_tasks(std::span<const Ray> rays, Workspace& work) const;
   void solve(Workspace& work) const;
   template <class Equation>
   void solve_all(Workspace& work) const;
@@ -98,7 +105,15 @@ class Intersector {
   bool certified_ = false;
   std::unique_ptr<AnyGroup> group_;
   std::unique_ptr<AnySolver> solver_;
+  std::unique_ptr<AnyKernel> kernel_;
   std::vector<Frame> frames_;
+};
+
+/// A hit that a kernel proved.
+struct KernelHit {
+  std::uint32_t task = 0;
+  std::uint32_t multiplicity = 1;
+  double l = 0;
 };
 
 /// A hit of the scene before it is written out.
@@ -156,8 +171,12 @@ class Scene {
     return intersectors_[members_[surface].intersector];
   }
   [[nodiscard]] const Culling& culling() const;
+  [[nodiscard]] const AnyKernel* lone_kernel(Wanted wanted) const;
   void answer_block(std::span<const Ray> rays, Query query, Wanted wanted, Workspace& work,
                     HitBuffer& out) const;
+  void answer_by_kernel(const AnyKernel& kernel, std::span<const Ray> rays, Workspace& work,
+                        HitBuffer& out) const;
+  void sort_hits(Workspace& work) const;
   void ask_always(std::span<const Ray> rays, Workspace& work) const;
   void ask_all(std::span<const Ray> rays, Workspace& work) const;
   void ask_in_front(std::span<const Ray> rays, Query query, Workspace& work) const;
@@ -185,13 +204,18 @@ class Intersector::Workspace {
   EquationBlock equations;
   std::vector<Roots> roots;
   std::vector<LocalHit> hits;
+  std::vector<KernelHit> kernel_hits;
   std::vector<LocalPoint> points;
-  std::vector<Status> status;
-  std::vector<Counters> counters;
+  std::span<const Task> solved;    ///< tasks that were posed as equations: hits[i].ray is one of these
+  std::vector<Status> status;      ///< of solved tasks
+  std::vector<Counters> counters;  ///< of solved tasks
+  KernelAnswers kernel;
+  std::vector<Task> open;  ///< tasks that the kernel left
 };
 
 class Scene::Workspace {
  public:
+  Query query = Query::all;
   Intersector::Workspace block;
   std::vector<std::vector<Task>> tasks;  ///< by intersector: not yet asked
   std::vector<SceneHit> hits;
@@ -201,6 +225,7 @@ class Scene::Workspace {
   std::vector<Bvh::Walk> walks;
   std::vector<std::uint32_t> active, leaf;
   std::vector<LocalHit> described;
+  KernelAnswers lone;  ///< of answer_by_kernel
   std::vector<std::size_t> places;
 };
 

@@ -30,10 +30,10 @@ inline DoubleDoubleBall nearest_ball(const Expansion& x) {
 }
 
 /// Poses sum c[i] delta^i = 0 on [lo, hi] in the block's form and arithmetic. `in_float()` gives the
-/// coefficients of binary32, formed in it: at least as many.
-template <class InFloat>
+/// coefficients of binary32, formed in it: at least as many; `exact(c)` fills in the exact ones.
+template <class InFloat, class Exact>
 void pose_balls(EquationBlock& block, std::span<const DoubleDoubleBall> c, double lo, double hi, double scale,
-                std::uint64_t seed, const InFloat& in_float) {
+                std::uint64_t seed, const InFloat& in_float, const Exact& exact) {
   const auto rounded = [&](auto number) {
     using T = decltype(number);
     const std::span<T> values = block.arena().array<T>(c.size());
@@ -45,8 +45,11 @@ void pose_balls(EquationBlock& block, std::span<const DoubleDoubleBall> c, doubl
     }
     return values;
   };
-  if (block.form() != Form::interval)
-    return pose_in_delta(block, 0, lo, hi, seed, static_cast<int>(c.size()) - 1, rounded);
+  if (block.form() != Form::interval) {
+    const bool wanted = block.wants_coefficient_errors();
+    return pose_in_delta(block, 0, lo, hi, seed, static_cast<int>(c.size()) - 1, rounded,
+                         wanted ? exact_by(block.arena(), exact) : ExactCoefficients{});
+  }
 
   const std::span<const Interval> enclosures = rounded(Interval{});
   const auto stored = detail::store_coefficients(block.arena(), enclosures);

@@ -17,6 +17,7 @@
 
 #include <graze/surfaces/bounds.hpp>
 #include <graze/surfaces/equation_block.hpp>
+#include <graze/surfaces/kernel.hpp>
 #include <graze/surfaces/local_ray.hpp>
 #include <graze/surfaces/spec.hpp>
 
@@ -31,6 +32,7 @@ struct LocalHit {
   double error = 0;       ///< bound on the rounding of delta by the lift, where it exceeds a few ulps
   bool is_root = false;   ///< delta is the equation's root itself: the lift rounds nothing
   bool is_apart = false;  ///< another point than any other hit of the ray, even where both round to one l
+  bool is_world = false;  ///< delta is l itself in world units, as a kernel gave it, and t is not known yet
   bool in_doubt = false;  ///< a proved root that does not locate the hit: see GroupModel::in_doubt
 };
 
@@ -180,6 +182,8 @@ class AnyGroup {
   /// Hits of roots[i], the answer to the block's equation i.
   virtual void lift(std::span<const LocalRay> rays, const EquationBlock& block, std::span<const Roots> roots,
                     std::vector<LocalHit>& hits) const = 0;
+  /// Makes hits that a kernel gave (is_world) local ones.
+  virtual void place(std::span<const LocalRay> rays, std::span<LocalHit> hits) const = 0;
   /// Normals and parameters of hits, in object space.
   virtual void describe(std::span<const LocalRay> rays, std::span<const LocalHit> hits,
                         std::vector<LocalPoint>& points) const = 0;
@@ -233,6 +237,20 @@ class GroupModel final : public AnyGroup {
           if (root.certified) hits[h].in_doubt = in_doubt(formulation(ray), ray, posed, root, h, hits);
         }
       }
+    }
+  }
+
+  void place(std::span<const LocalRay> rays, std::span<LocalHit> hits) const override {
+    std::vector<LocalHit> lifted;
+    for (LocalHit& hit : hits) {
+      if (!hit.is_world) continue;
+      const LocalRay& ray = rays[hit.ray];
+      lifted.clear();
+      const double delta = scale_by_power(hit.delta, -ray.l_exponent) - ray.centre;
+      formulation(ray).lift(ray, {}, {.x = delta, .others = {}}, lifted);
+      hit.delta = delta;
+      hit.t = lifted.empty() ? 0 : lifted.front().t;
+      hit.is_world = false;
     }
   }
 
@@ -302,6 +320,7 @@ struct SurfaceEntry {
   std::unique_ptr<AnyGroup> (*make_group)(std::size_t index) = nullptr;
   /// The parameters of the surface with every length times the factor.
   Parameters (*scaled)(const Parameters&, double factor) = nullptr;
+  std::vector<KernelEntry> kernels;  ///< of this build
 };
 
 namespace detail {
@@ -316,9 +335,9 @@ std::unique_ptr<AnyGroup> make_group(std::tuple<F...>* /*formulations*/, std::si
 
 }  // namespace detail
 
-/// The entry of surface S under `name`.
+/// The entry of surface S under `name`, with kernels: surface_entry<S>("s", {kernel_entry<K>()}).
 template <SurfaceType S>
-SurfaceEntry surface_entry(std::string_view name) {
+SurfaceEntry surface_entry(std::string_view name, std::vector<KernelEntry> kernels = {}) {
   using Formulations = typename S::Formulations;
   SurfaceEntry entry;
   entry.name = name;
@@ -333,6 +352,7 @@ SurfaceEntry surface_entry(std::string_view name) {
     return detail::make_group<S>(static_cast<Formulations*>(nullptr), index);
   };
   entry.scaled = &S::scaled;
+  entry.kernels = std::move(kernels);
   return entry;
 }
 

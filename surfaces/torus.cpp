@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include <graze/solvers/math/big_integer.hpp>
 #include <graze/solvers/math/expansion.hpp>
 #include <graze/surfaces/recentred_ball.hpp>
 
@@ -174,12 +175,18 @@ void TorusQuarticRecentred::pose(const LocalRay& ray, EquationBlock& block) cons
   const auto first = std::find_if_not(balls.begin(), balls.end(), [](auto& c) { return c.is_exact_zero(); });
   const auto zeros = static_cast<std::size_t>(first - balls.begin());
   const std::span<const DoubleDoubleBall> c = std::span(balls).subspan(zeros);
-  pose_balls(block, c, ray.lo, ray.hi, 1, ray.seed(), [&] {
+  const auto in_float = [&] {
     auto plain = quartic_about(recentred_point<float>(ray), direction<float>(ray),
                                exactly<float>(profile.ring), exactly<float>(profile.tube));
     std::rotate(plain.begin(), plain.begin() + static_cast<std::ptrdiff_t>(zeros), plain.end());
     return plain;
-  });
+  };
+  const auto exact = [this, where = &ray, zeros](std::span<Dyadic> to) {
+    const auto all = quartic_about(recentred_point<Dyadic>(*where), direction<Dyadic>(*where),
+                                   Dyadic(profile.ring), Dyadic(profile.tube));
+    std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(zeros), to.size(), to.begin());
+  };
+  pose_balls(block, c, ray.lo, ray.hi, 1, ray.seed(), in_float, exact);
 }
 
 void TorusQuarticRecentred::lift(const LocalRay& /*ray*/, const Posed& /*posed*/, const Root& root,

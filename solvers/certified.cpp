@@ -1,0 +1,205 @@
+#include <graze/solvers/certified.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <graze/solvers/math/exact_polynomial.hpp>
+#include <graze/solvers/math/polynomial.hpp>
+#include <graze/solvers/math/quadratic.hpp>
+#include <graze/solvers/math/scaling.hpp>
+
+namespace graze {
+namespace {
+
+/// As Counters::tier reports them.
+enum Tier : std::uint32_t { kDouble = 1, kExact = 3 };  // 2: double-double, in kernels
+
+double error_of(const PolynomialEquation& equation, std::size_t i) {
+  return equation.c_error.empty() ? 0 : equation.c_error[i];
+}
+
+/// 4 ac = b^2 decides; Kahan's discriminant of the half coefficient is within 2u of b^2 - ac for coefficients
+/// as given (solvers/closed_form.md), and their errors move it by no more than `data`.
+bool discriminant_is_certain(const PolynomialEquation& equation) {
+  const double a = equation.c[2], b = equation.c[1] / 2, c = equation.c[0];
+  const double ea = error_of(equation, 2), eb = error_of(equation, 1) / 2, ec = error_of(equation, 0);
+  if (ea == 0 && eb == 0 && ec == 0) return true;
+  const double product = a * c;
+  const double discriminant = std::fma(b, b, -product) + std::fma(-a, c, product);
+  const double data = eb * (2 * std::fabs(b) + eb) + ea * std::fabs(c) + ec * (std::fabs(a) + ea);
+  constexpr double kSlack = 1 + 0x1p-40;  // the roundings of the bound itself
+  return std::isfinite(discriminant) && std::fabs(discriminant) > 0x1p-900 &&
+         std::fabs(discriminant) > kSlack * data && std::fabs(a) > ea;
+}
+
+/// |x - root| for a root of the formula: its own rounding, and what the coefficients' errors leave open.
+double radius_of(const PolynomialEquation& equation, std::size_t size, double x, bool is_double) {
+  constexpr double kFormula = 4 * 0x1p-52;  // 4 ulps (solvers/closed_form.md)
+  double sum = 0, slope = 0;
+  for (std::size_t i = size; i-- > 0;) {
+    sum = sum * std::fabs(x) + error_of(equation, i);
+    if (i > 0) slope = slope * x + static_cast<double>(i) * equation.c[i];
+  }
+  // Twice: |p'| may shrink by half within a radius that is small beside the distance of the roots.
+  return kFormula * std::fabs(x) + (is_double || sum == 0 ? 0 : 2 * sum / std::fabs(slope));
+}
+
+/// Degree 1 or 2 by formula; false where it proves nothing.
+bool solve_by_formula(const PolynomialEquation& equation, std::size_t size, Roots& roots) {
+  std::array<double, 2> x{};
+  int count = 1;
+  if (size == 2) {
+    if (!(std::fabs(equation.c[1]) > error_of(equation, 1))) return false;
+    x[0] = -equation.c[0] / equation.c[1];
+  } else {
+    if (!discriminant_is_certain(equation)) return false;
+    count = scaled_quadratic(equation.c[2], equation.c[1] / 2, equation.c[0], x);
+  }
+  ++roots.counters.evaluations;  // of the formula
+  const bool is_double = size == 3 && count == 1;
+  if (count == 2 && x[1] < x[0]) std::swap(x[0], x[1]);
+  for (int i = 0; i < count; ++i) {
+    const double root = x[static_cast<std::size_t>(i)];
+    const double radius = radius_of(equation, size, root, is_double);
+    if (!std::isfinite(root) || !std::isfinite(radius)) return false;
+    const bool outside = root + radius < equation.lo || root - radius > equation.hi;
+    const bool inside = root - radius >= equation.lo && root + radius <= equation.hi;
+    if (!outside && !inside) return false;
+    if (count == 2 && !(x[0] + radius < x[1] - radius)) return false;
+    if (outside) continue;
+    roots.list.push_back(
+        {.x = root, .others = {}, .radius = radius, .multiplicity = is_double ? 2U : 1U, .certified = true});
+  }
+  return true;
+}
+
+/// Lists a root; roots that round to one double are listed as one.
+void add_exact(double x, double radius, std::uint32_t multiplicity, Roots& roots) {
+  if (!roots.list.empty() && roots.list.back().x == x) {
+    roots.list.back().multiplicity += multiplicity;
+  } else {
+    roots.list.push_back(
+        {.x = x, .others = {}, .radius = radius, .multiplicity = multiplicity, .certified = true});
+  }
+}
+
+/// All roots of the exact polynomial, each the double nearest to it.
+void solve_power_exactly(std::span<const Dyadic> c, const PolynomialEquation& equation, Roots& roots) {
+  const ExactPolynomial p(c);
+  if (p.is_zero()) {
+    roots.status = Status::coincident;
+    return;
+  }
+  for (RealRoot& root : isolate_roots(p, dyadic_interval(equation.lo, equation.hi))) {
+    const double x = std::clamp(root.to_double(), equation.lo, equation.hi);
+    const bool exact = root.is_exact() && root.lo() == Dyadic(x);
+    add_exact(x, exact ? 0 : ulp(x), static_cast<std::uint32_t>(root.multiplicity()), roots);
+  }
+}
+
+/// The same for x = lo + s (hi - lo), s in [0, 1]: s to twice a double's digits, then x exactly.
+void solve_bernstein_exactly(std::span<const Dyadic> c, const PolynomialEquation& equation, Roots& roots) {
+  const ExactPolynomial p = ExactPolynomial::from_bernstein(c);
+  if (p.is_zero()) {
+    roots.status = Status::coincident;
+    return;
+  }
+  const Dyadic lo(equation.lo), length = Dyadic(equation.hi) - lo;
+  for (RealRoot& root : isolate_roots(p, dyadic_interval(0, 1))) {
+    const Dyadic s(root.to_double_double());
+    const double x = std::clamp((lo + s * length).to_double(), equation.lo, equation.hi);
+    const bool exact = root.is_exact() && lo + root.lo() * length == Dyadic(x);
+    add_exact(x, exact ? 0 : 2 * ulp(x), static_cast<std::uint32_t>(root.multiplicity()), roots);
+  }
+}
+
+/// The exact coefficients, where the equation has them.
+bool exact_coefficients(const PolynomialEquation& equation, std::vector<Dyadic>& c) {
+  c.resize(equation.c.size());
+  if (equation.exact.get != nullptr) {
+    equation.exact.get(equation.exact.self, c);
+    return true;
+  }
+  std::transform(equation.c.begin(), equation.c.end(), c.begin(), [](double x) { return Dyadic(x); });
+  return effective_degree(equation.c_error) < 0;
+}
+
+}  // namespace
+
+SolverInfo Certified::info() {
+  SolverInfo info;
+  info.summary = "the right number of roots, proved: double, then exact arithmetic";
+  info.source = "graze (solvers/certified.md)";
+  info.page = "solvers/certified.md";
+  info.options = {{"budget", "20000", "evaluations of the first tier"},
+                  {"instruction_set", "best", "of the surfaces' kernels: best, baseline, avx2, avx512"}};
+  info.claims = {.finds_touching_roots = true, .certified = true, .deterministic = true};
+  info.forms = {Form::polynomial, Form::interval};
+  info.trusts_surface = true;
+  return info;
+}
+
+InstructionSet Certified::instruction_set(const Parameters& options) {
+  const std::string name = options.word("instruction_set", "best");
+  const InstructionSet best = best_instruction_set();
+  if (name == "best") return best;
+  for (const auto set : {InstructionSet::baseline, InstructionSet::avx2, InstructionSet::avx512}) {
+    if (name != to_string(set)) continue;
+    if (set <= best) return set;
+    throw std::invalid_argument("option 'instruction_set': this processor has no " + name);
+  }
+  throw std::invalid_argument("option 'instruction_set' must be best, baseline, avx2 or avx512, not '" +
+                              name + "'");
+}
+
+Certified::Certified(const Parameters& options)
+    : inclusions_([&] {
+        Parameters own;
+        if (options.has("budget")) own.set("budget", options.number("budget"));
+        return own;
+      }()) {
+  static_cast<void>(instruction_set(options));
+}
+
+void Certified::solve(const PolynomialEquation& equation, Roots& roots) const {
+  if (!is_usable(equation)) {
+    roots.status = Status::invalid;
+    return;
+  }
+  roots.counters.tier = kDouble;
+  const auto size = static_cast<std::size_t>(effective_degree(equation.c) + 1);
+  const bool is_short = equation.basis == Basis::power && equation.c.size() <= 3;
+  if (is_short && (size == 2 || size == 3) && solve_by_formula(equation, size, roots)) return;
+  if (!is_short) {
+    inclusions_.solve(equation, roots);
+    roots.counters.tier = kDouble;
+    if (roots.status != Status::uncertain) return;
+  }
+  std::vector<Dyadic> c;
+  if (!exact_coefficients(equation, c)) {
+    if (is_short) {
+      roots.list.clear();
+      inclusions_.solve(equation, roots);
+    }
+    return;
+  }
+  roots.list.clear();
+  roots.status = Status::ok;
+  roots.counters.tier = kExact;
+  if (equation.basis == Basis::power) {
+    solve_power_exactly(c, equation, roots);
+  } else {
+    solve_bernstein_exactly(c, equation, roots);
+  }
+}
+
+void Certified::solve(const IntervalEquation& equation, Roots& roots) const {
+  inclusions_.solve(equation, roots);
+  roots.counters.tier = kDouble;
+}
+
+}  // namespace graze

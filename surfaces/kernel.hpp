@@ -1,0 +1,97 @@
+// Batch kernels: a surface's own way to answer many rays at once, in place of one equation a ray.
+//
+// A kernel belongs to a surface, one of its formulations and a solver (the cell whose answers it gives): it
+// is a plain struct beside the surface's file,
+//   using Surface = ...;
+//   static constexpr std::string_view kSolver, kFormulation;
+//   Kernel(const Surface&, const Parameters& options);                 // options of the solver
+//   void intersect(std::span<const Ray>, bool all, KernelAnswers&, std::size_t first) const;
+// and one line graze_kernel(...) in the CMake list. It answers what it can prove and leaves the rest to the
+// solver: answers.hits[first + i] is the number of hits of rays[i] (at most one unless `all`), or kOpen.
+// The formulation's unknown is l, so that a hit's place on the surface can be lifted from it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <graze/surfaces/ray.hpp>
+#include <graze/surfaces/spec.hpp>
+
+namespace graze {
+
+/// Proved answers of a batch, by position.
+struct KernelAnswers {
+  static constexpr std::size_t kMost = 4;  ///< hits of a ray
+  static constexpr std::int8_t kOpen = -1;
+
+  std::vector<std::int8_t> hits;
+  std::array<std::vector<double>, kMost> l;  ///< ascending, in units of |d|; meaningful below `hits`
+  std::vector<std::uint8_t> touching;        ///< bit k: hit k touches (multiplicity 2)
+  std::vector<std::uint8_t> tier;            ///< which arithmetic answered: Counters::tier
+
+  void resize(std::size_t count) {
+    hits.resize(count);
+    touching.assign(count, 0);
+    tier.assign(count, 1);
+    for (std::vector<double>& one : l) one.resize(count);
+  }
+};
+
+/// Kernels of all surfaces of one group: one virtual call a batch.
+class AnyKernel {
+ public:
+  virtual ~AnyKernel() = default;
+  virtual void add(const SurfaceSpec& spec) = 0;
+  /// rays[i] belongs to surface surfaces[i]; rays of one surface that follow one another are answered
+  /// together.
+  virtual void intersect(std::span<const Ray> rays, std::span<const std::uint32_t> surfaces, bool all,
+                         KernelAnswers& answers) const = 0;
+  /// The same for rays that all belong to surface 0.
+  virtual void intersect(std::span<const Ray> rays, bool all, KernelAnswers& answers) const = 0;
+};
+
+template <class K>
+class KernelModel final : public AnyKernel {
+ public:
+  explicit KernelModel(const Parameters& options) : options_(options) {}
+
+  void add(const SurfaceSpec& spec) override { kernels_.emplace_back(typename K::Surface(spec), options_); }
+  void intersect(std::span<const Ray> rays, std::span<const std::uint32_t> surfaces, bool all,
+                 KernelAnswers& answers) const override {
+    answers.resize(rays.size());
+    for (std::size_t i = 0; i < rays.size();) {
+      std::size_t end = i + 1;
+      while (end < rays.size() && surfaces[end] == surfaces[i]) ++end;
+      kernels_[surfaces[i]].intersect(rays.subspan(i, end - i), all, answers, i);
+      i = end;
+    }
+  }
+  void intersect(std::span<const Ray> rays, bool all, KernelAnswers& answers) const override {
+    answers.resize(rays.size());
+    kernels_.front().intersect(rays, all, answers, 0);
+  }
+
+ private:
+  Parameters options_;
+  std::deque<K> kernels_;
+};
+
+/// A surface's line for one of its kernels.
+struct KernelEntry {
+  std::string_view solver, formulation;
+  std::unique_ptr<AnyKernel> (*make)(const Parameters& options) = nullptr;
+};
+
+template <class K>
+KernelEntry kernel_entry() {
+  return {K::kSolver, K::kFormulation, [](const Parameters& options) -> std::unique_ptr<AnyKernel> {
+            return std::make_unique<KernelModel<K>>(options);
+          }};
+}
+
+}  // namespace graze
