@@ -1,0 +1,191 @@
+// Kernels of surfaces: never wrong, the same on every instruction set, and no part of one in another's code.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdio>
+#include <cstdlib>
+
+#include <graze/experiments/cases.hpp>
+#include <graze/experiments/truth.hpp>
+#include <graze/solvers/math/instruction_set.hpp>
+#include <surfaces/cells.hpp>
+
+namespace graze::test {
+namespace {
+
+constexpr std::uint64_t kSeed = 20261122;
+
+/// Rays a family; a long run takes them from the environment.
+std::size_t rays_a_family() {
+  const char* const wanted = std::getenv("GRAZE_RAYS");
+  return wanted != nullptr ? std::strtoul(wanted, nullptr, 10) : kSanitized ? 200 : 1000;
+}
+
+std::vector<Ray> rays_of(const CaseFamily& family, const AnySurface& surface, std::size_t count) {
+  std::vector<Ray> rays;
+  for (std::size_t block = 0; rays.size() < count; ++block) {
+    const double scale = block_scale(family, kSeed, block);
+    if (scale != 1) continue;  // one surface is asked: those of its own scale
+    for (const CaseRay& ray :
+         make_block(family, surface, kSeed, block, std::min(kCaseBlock, count - rays.size())))
+      rays.push_back(ray.ray);
+  }
+  return rays;
+}
+
+struct KernelCell {
+  const SurfaceEntry* surface;
+  const KernelEntry* kernel;
+};
+
+std::vector<KernelCell> kernels() {
+  std::vector<KernelCell> cells;
+  for (const SurfaceEntry& surface : surface_registry()) {
+    for (const KernelEntry& kernel : surface.kernels) cells.push_back({&surface, &kernel});
+  }
+  return cells;
+}
+
+void PrintTo(const KernelCell& cell, std::ostream* out) {
+  *out << cell.surface->name << " " << cell.kernel->solver;
+}
+
+class Kernel : public testing::TestWithParam<KernelCell> {
+ protected:
+  static KernelAnswers run(const SurfaceSpec& spec, std::span<const Ray> rays, bool all,
+                           InstructionSet set = best_instruction_set()) {
+    Parameters options;
+    options.set("instruction_set", std::string(to_string(set)));
+    const auto kernel = GetParam().kernel->make(options);
+    kernel->add(spec);
+    KernelAnswers answers;
+    kernel->intersect(rays, all, answers);
+    return answers;
+  }
+};
+
+/// What the kernel leaves open is not wrong; what it answers must be the truth, l within 4 condition units.
+TEST_P(Kernel, AnswersEveryFamilyRightOrLeavesItOpen) {
+  constexpr double kUnits = 4;
+  for (const SurfaceSpec& spec : examples(GetParam().surface->name)) {
+    const auto surface = GetParam().surface->make(spec);
+    const auto truth = truth::make_surface(spec);
+    for (const CaseFamily& family : case_families()) {
+      if (family.name == "scale" || !family.suits(surface->landmarks())) continue;
+      const std::vector<Ray> rays = rays_of(family, *surface, rays_a_family());
+      const KernelAnswers all = run(spec, rays, true), first = run(spec, rays, false);
+      std::size_t open = 0, wrong = 0;
+      double worst = 0;
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        const truth::Answer answer = truth->all(rays[i], {.digits = 17});
+        const auto expect = [&](const KernelAnswers& got, std::size_t wanted) {
+          if (got.hits[i] == KernelAnswers::kOpen) {
+            ++open;
+            return;
+          }
+          if (static_cast<std::size_t>(got.hits[i]) != wanted || answer.status != Status::ok) {
+            ++wrong;
+            ADD_FAILURE() << family.name << std::hexfloat << " o " << rays[i].o.x << " " << rays[i].o.y << " "
+                          << rays[i].o.z << " d " << rays[i].d.x << " " << rays[i].d.y << " " << rays[i].d.z
+                          << std::defaultfloat << ": " << int{got.hits[i]} << " hits, truth " << wanted;
+            return;
+          }
+          for (std::size_t k = 0; k < wanted; ++k) {
+            const truth::Hit& hit = answer.hits[k];
+            const double error = std::fabs((got.l[k][i] - hit.l.head) - hit.l.tail);
+            const double unit =
+                0x1p-52 * (std::fabs(hit.l.head) + surface->size() / norm(rays[i].d) / hit.cosine);
+            worst = std::max(worst, error / unit);
+          }
+        };
+        expect(all, answer.hits.size());
+        expect(first, std::min<std::size_t>(1, answer.hits.size()));
+      }
+      std::printf("%s %-10s %zu rays: %zu wrong, %zu open, worst %.2f condition units\n",
+                  std::string(GetParam().surface->name).c_str(), std::string(family.name).c_str(),
+                  rays.size(), wrong, open, worst);
+      EXPECT_LE(worst, kUnits) << family.name;
+    }
+  }
+}
+
+TEST_P(Kernel, EveryInstructionSetGivesTheSameBits) {
+  for (const SurfaceSpec& spec : examples(GetParam().surface->name)) {
+    const auto surface = GetParam().surface->make(spec);
+    for (const CaseFamily& family : case_families()) {
+      if (family.name == "scale" || !family.suits(surface->landmarks())) continue;
+      const std::vector<Ray> rays = rays_of(family, *surface, 500);
+      for (const bool all : {false, true}) {
+        const KernelAnswers best = run(spec, rays, all);
+        for (const auto set : {InstructionSet::baseline, InstructionSet::avx2}) {
+          if (set > best_instruction_set()) continue;
+          const KernelAnswers other = run(spec, rays, all, set);
+          ASSERT_EQ(other.hits, best.hits) << family.name << " " << to_string(set);
+          for (std::size_t i = 0; i < rays.size(); ++i) {
+            for (int k = 0; k < best.hits[i]; ++k) {
+              const auto at = static_cast<std::size_t>(k);
+              EXPECT_EQ(std::bit_cast<std::uint64_t>(other.l[at][i]),
+                        std::bit_cast<std::uint64_t>(best.l[at][i]));
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST_P(Kernel, ARaysAnswerDoesNotDependOnItsNeighbours) {
+  const SurfaceSpec spec = examples(GetParam().surface->name).front();
+  const auto surface = GetParam().surface->make(spec);
+  const std::vector<Ray> rays = mixed_rays(*surface, 100, kSeed);
+  const KernelAnswers together = run(spec, rays, true);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const KernelAnswers alone = run(spec, std::span(rays).subspan(i, 1), true);
+    ASSERT_EQ(alone.hits[0], together.hits[i]) << i;
+    for (int k = 0; k < alone.hits[0]; ++k)
+      EXPECT_EQ(alone.l[static_cast<std::size_t>(k)][0], together.l[static_cast<std::size_t>(k)][i]);
+  }
+}
+
+TEST_P(Kernel, RaysThatAreNoQuestionAreLeftOpen) {
+  const SurfaceSpec spec = examples(GetParam().surface->name).front();
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const std::vector<Ray> rays{{{0, 1, 5}, {0, 0, 0}},
+                              {{kNaN, 1, 5}, {0, 0, -1}},
+                              {{0, 1, 5}, {0, kNaN, -1}},
+                              {{kInfinity, 1, 5}, {0, 0, -1}},
+                              {{0, 1, 5}, {0, -kInfinity, 0}}};
+  for (const bool all : {false, true}) {
+    const KernelAnswers answers = run(spec, rays, all);
+    for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(answers.hits[i], KernelAnswers::kOpen) << i;
+  }
+}
+
+/// A scene of one surface and nothing asked but l takes a shorter way.
+TEST_P(Kernel, TheShortWayAnswersAsTheLongOne) {
+  for (const SurfaceSpec& spec : examples(GetParam().surface->name)) {
+    const auto surface = GetParam().surface->make(spec);
+    Scene scene;
+    scene.add(*GetParam().surface, spec, find_solver(GetParam().kernel->solver));
+    const std::vector<Ray> rays = mixed_rays(*surface, 300, kSeed);
+    for (const Query query : {Query::all, Query::first, Query::any}) {
+      Scene::Workspace work;
+      HitBuffer short_way, long_way;
+      scene.intersect(rays, query, {}, work, short_way);
+      scene.intersect(rays, query, {.points = true}, work, long_way);
+      EXPECT_EQ(short_way.l, long_way.l);
+      EXPECT_EQ(short_way.status, long_way.status);
+      EXPECT_EQ(short_way.multiplicity, long_way.multiplicity);
+      EXPECT_GT(short_way.l.size(), rays.size() / 8);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Kernel, testing::ValuesIn(kernels()), [](const auto& cell) {
+  return std::string(cell.param.surface->name) + "_" + std::string(cell.param.kernel->solver);
+});
+
+}  // namespace
+}  // namespace graze::test
