@@ -28,11 +28,11 @@ TEST(Aberth, PowersOfTwoInPolynomialAndUnknownChangeNoBit) {
 
 TEST(Aberth, TheDiscOfEverySimpleRootHoldsIt) {
   std::size_t held = 0;
-  for (const complex_cases::HardCase& hard : complex_cases::hard_cases()) {
+  for (const HardPolynomial& hard : hard_polynomials()) {
     const Roots roots = solve<Aberth>(hard.c);
     if (roots.list.size() != hard.roots.size()) continue;
     for (std::size_t i = 0; i < hard.roots.size(); ++i) {
-      const long double error = std::fabs(static_cast<long double>(roots.list[i].x) - hard.roots[i]);
+      const long double error = std::fabs(static_cast<long double>(roots.list[i].x) - hard.wide_roots[i]);
       EXPECT_LE(error, static_cast<long double>(roots.list[i].radius)) << hard.origin << " " << i;
       ++held;
     }

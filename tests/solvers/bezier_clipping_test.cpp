@@ -59,42 +59,6 @@ TEST(BezierClipping, RefusingClipsLeavesBisection) {
   EXPECT_NEAR(halved.list[0].x, ask({-0.3, 0.9, 0.2, 0.1}, 0, 1).list[0].x, 0x1p-52);
 }
 
-TEST(BezierClipping, ATouchingRootHasMultiplicityTwo) {
-  const double t = 1.0 / 3;
-  const Roots roots = ask({-2 * t * t, t * t + 4 * t, -2 - 2 * t, 1}, -1, 4);
-  ASSERT_EQ(roots.list.size(), 2U);
-  EXPECT_EQ(roots.list[0].multiplicity, 2U);
-  EXPECT_NEAR(roots.list[0].x, t, 1e-8);
-  EXPECT_LE(std::fabs(roots.list[0].x - t), roots.list[0].radius);
-  EXPECT_EQ(roots.list[1].multiplicity, 1U);
-}
-
-TEST(BezierClipping, APairOffTheAxisByMoreThanRoundingIsNoRoot) {
-  EXPECT_TRUE(ask({1 + 0x1p-40, -2, 1}).list.empty());
-}
-
-TEST(BezierClipping, ATripleRootCountsOnceAsAChangeOfSign) {
-  const Roots roots = ask({-1, 3, -3, 1});
-  ASSERT_EQ(roots.list.size(), 1U);
-  EXPECT_EQ(roots.list[0].multiplicity, 1U);
-  EXPECT_NEAR(roots.list[0].x, 1, 2e-5);
-}
-
-TEST(BezierClipping, RootsAtClosedEndsCountWithinRounding) {
-  EXPECT_EQ(ask({-1, 3}, 1.0 / 3, 1).list.size(), 1U);
-  EXPECT_EQ(ask({-1, 3}, 0, 1.0 / 3).list.size(), 1U);
-  EXPECT_TRUE(ask({-1, 3}, 0.3333334, 1).list.empty());
-}
-
-TEST(BezierClipping, PowersOfTwoScaleTheRootsExactly) {
-  Rng rng(7);
-  for (int i = 0; i < 300; ++i) {
-    const std::vector<double> c = random_coefficients(rng, 1 + i % 14);
-    for (const auto& [k, m] : {std::pair{900, 0}, std::pair{-900, 0}, std::pair{3, 40}, std::pair{-5, -60}})
-      EXPECT_TRUE(scales_exactly(BezierClipping(kNone), c, k, m)) << i << " " << k << " " << m;
-  }
-}
-
 TEST(BezierClipping, PublishedHardInputsAreSolvedToTheirCondition) {
   const std::vector<std::string> merged{"Wilkinson 1963, degree 20", "cluster 1 +- 2^-26",
                                         "cluster 1, 1 +- 2^-16"};

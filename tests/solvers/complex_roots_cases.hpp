@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <fstream>
 #include <limits>
 #include <string>
 #include <utility>
@@ -17,82 +15,28 @@
 #include <graze/solvers/math/rng.hpp>
 #include <graze/solvers/power_basis.hpp>
 #include <graze/solvers/solver.hpp>
+#include <solvers/hard_polynomials.hpp>
 
 namespace graze::complex_cases {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-struct HardCase {
-  std::string origin;
-  std::vector<double> c;
-  std::vector<long double> roots;
-};
-
-/// The quoted strings of the list that follows "key": in a line of JSON.
-inline std::vector<std::string> strings_of(const std::string& line, const std::string& key) {
-  std::vector<std::string> found;
-  const std::size_t start = line.find('[', line.find('"' + key + '"'));
-  const std::size_t end = line.find(']', start);
-  for (std::size_t open = line.find('"', start); open < end;) {
-    const std::size_t close = line.find('"', open + 1);
-    found.push_back(line.substr(open + 1, close - open - 1));
-    open = line.find('"', close + 1);
-  }
-  return found;
-}
-
-inline std::vector<HardCase> hard_cases() {
-  std::vector<HardCase> cases;
-  std::ifstream file(std::string(GRAZE_TEST_DATA) + "/polynomials_hard.jsonl");
-  for (std::string line; std::getline(file, line);) {
-    HardCase one;
-    const std::size_t open = line.find('"', line.find(':', line.find("\"origin\"")));
-    one.origin = line.substr(open + 1, line.find('"', open + 1) - open - 1);
-    for (const std::string& c : strings_of(line, "c")) one.c.push_back(std::strtod(c.c_str(), nullptr));
-    for (const std::string& x : strings_of(line, "roots")) {
-      one.roots.push_back(std::strtold(x.c_str(), nullptr));
-    }
-    cases.push_back(one);
-  }
-  return cases;
-}
-
-/// p, p' and sum |c_i x^i| in long double.
-struct WideValue {
-  long double value = 0, derivative = 0, size = 0;
-};
-inline WideValue evaluate(const std::vector<double>& c, long double x) {
-  WideValue p;
-  for (std::size_t k = c.size(); k-- > 0;) {
-    p.derivative = p.derivative * x + p.value;
-    p.value = p.value * x + static_cast<long double>(c[k]);
-    p.size = p.size * std::fabs(x) + std::fabs(static_cast<long double>(c[k]));
-  }
-  return p;
-}
-
-/// |p(x)| / (n u sum |c_i x^i|).
-inline double backward_error(const std::vector<double>& c, double x) {
-  const WideValue p = evaluate(c, static_cast<long double>(x));
-  return static_cast<double>(std::fabs(p.value) / p.size) / (static_cast<double>(c.size() - 1) * 0x1p-53);
-}
-
 /// How far a relative change of every coefficient by kBackward n u moves the simple root x, and two ulps.
 inline long double attainable(const std::vector<double>& c, long double x) {
-  const WideValue p = evaluate(c, x);
+  const WideValue p = evaluate_wide(c, x);
   const double units = power_basis::kBackward * static_cast<double>(c.size() - 1) * 0x1p-53;
   return static_cast<long double>(units) * p.size / std::fabs(p.derivative) + 0x1p-51L * std::fabs(x);
 }
 
 /// Every true root is listed within what is attainable and nothing else is; "" or what is wrong.
-inline std::string difference(const HardCase& hard, const Roots& roots) {
+inline std::string difference(const HardPolynomial& hard, const Roots& roots) {
   if (roots.status != Status::ok) return "status " + std::string(to_string(roots.status));
-  if (roots.list.size() != hard.roots.size()) {
-    return std::to_string(roots.list.size()) + " roots instead of " + std::to_string(hard.roots.size());
+  if (roots.list.size() != hard.wide_roots.size()) {
+    return std::to_string(roots.list.size()) + " roots instead of " + std::to_string(hard.wide_roots.size());
   }
-  for (std::size_t i = 0; i < hard.roots.size(); ++i) {
-    const long double error = std::fabs(static_cast<long double>(roots.list[i].x) - hard.roots[i]);
-    if (error > attainable(hard.c, hard.roots[i])) {
+  for (std::size_t i = 0; i < hard.wide_roots.size(); ++i) {
+    const long double error = std::fabs(static_cast<long double>(roots.list[i].x) - hard.wide_roots[i]);
+    if (error > attainable(hard.c, hard.wide_roots[i])) {
       return "root " + std::to_string(i) + " is off by " + std::to_string(static_cast<double>(error));
     }
   }
@@ -121,10 +65,10 @@ struct Excused {
 /// Every hard case is right, or is excused, goes wrong in the way it is excused for, and in no other.
 template <class S>
 void expect_hard_cases(const std::vector<Excused>& excused, const Parameters& options = {}) {
-  const std::vector<HardCase> cases = hard_cases();
+  const std::vector<HardPolynomial> cases = hard_polynomials();
   ASSERT_GE(cases.size(), 21U);
   std::size_t used = 0;
-  for (const HardCase& hard : cases) {
+  for (const HardPolynomial& hard : cases) {
     const Roots roots = solve<S>(hard.c, options);
     const std::string wrong = difference(hard, roots);
     const auto found = std::find_if(excused.begin(), excused.end(), [&](const Excused& e) {

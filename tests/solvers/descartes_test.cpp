@@ -22,9 +22,9 @@ Roots ask(const std::vector<double>& c, double lo = -kInfinity, double hi = kInf
 /// Signs of p at both ends of the enclosure, in long double, differ; their own rounding is 2^-11 of what the
 /// solver had to overcome.
 bool encloses_a_change_of_sign(const std::vector<double>& c, const Root& root) {
-  if (root.radius == 0) return evaluate_wide(c, root.x).value == 0;
-  const long double below = evaluate_wide(c, root.x - root.radius).value;
-  const long double above = evaluate_wide(c, root.x + root.radius).value;
+  if (root.radius == 0) return evaluate_wide(c, static_cast<long double>(root.x)).value == 0;
+  const long double below = evaluate_wide(c, static_cast<long double>(root.x - root.radius)).value;
+  const long double above = evaluate_wide(c, static_cast<long double>(root.x + root.radius)).value;
   return (below < 0) != (above < 0);
 }
 

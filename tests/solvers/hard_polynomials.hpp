@@ -1,4 +1,4 @@
-// tests/data/polynomials_hard.jsonl for the tests of methods that promise changes of sign and not more.
+// tests/data/polynomials_hard.jsonl, and how far from a root of a nearby polynomial an answer is.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,7 +18,8 @@ namespace graze {
 struct HardPolynomial {
   std::string origin;
   std::vector<double> c;
-  std::vector<double> roots;  ///< the published 40 digits, rounded
+  std::vector<double> roots;            ///< the published 40 digits, rounded
+  std::vector<long double> wide_roots;  ///< the same in long double
 
   /// What a relative change of every coefficient by n u moves root x by, to first order.
   [[nodiscard]] double condition_radius(double x) const {
@@ -52,12 +53,34 @@ inline std::vector<HardPolynomial> hard_polynomials() {
     HardPolynomial hard;
     hard.origin = quoted_after(line, "origin").at(0);
     for (const std::string& c : quoted_after(line, "c")) hard.c.push_back(std::strtod(c.c_str(), nullptr));
-    for (const std::string& x : quoted_after(line, "roots"))
+    for (const std::string& x : quoted_after(line, "roots")) {
       hard.roots.push_back(std::strtod(x.c_str(), nullptr));
+      hard.wide_roots.push_back(std::strtold(x.c_str(), nullptr));
+    }
     all.push_back(hard);
   }
   if (all.size() < 20) throw std::runtime_error("tests/data/polynomials_hard.jsonl is not what it was");
   return all;
+}
+
+/// p(x), p'(x) and sum |c_i x^i| in long double.
+struct WideValue {
+  long double value = 0, derivative = 0, size = 0;
+};
+inline WideValue evaluate_wide(const std::vector<double>& c, long double x) {
+  WideValue p;
+  for (std::size_t i = c.size(); i-- > 0;) {
+    p.derivative = p.derivative * x + p.value;
+    p.value = p.value * x + static_cast<long double>(c[i]);
+    p.size = p.size * std::fabs(x) + std::fabs(static_cast<long double>(c[i]));
+  }
+  return p;
+}
+
+/// |p(x)| in units of n u sum |c_i x^i|: how far the coefficients are from a polynomial with the root x.
+inline double backward_error(const std::vector<double>& c, double x) {
+  const WideValue p = evaluate_wide(c, static_cast<long double>(x));
+  return static_cast<double>(std::fabs(p.value) / p.size) / (static_cast<double>(c.size() - 1) * 0x1p-53);
 }
 
 /// How many of the true roots are listed within `factor` times what n u in the coefficients does to them,

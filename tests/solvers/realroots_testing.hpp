@@ -1,13 +1,9 @@
-// What the tests of the methods that isolate real roots share: solving, the published hard inputs, and how
-// far from a root of a nearby polynomial an answer is.
+// What the tests of the methods that isolate real roots share: solving, random polynomials, exact scaling.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
 #include <limits>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -15,6 +11,7 @@
 #include <graze/solvers/math/rng.hpp>
 #include <graze/solvers/parameters.hpp>
 #include <graze/solvers/roots.hpp>
+#include <solvers/hard_polynomials.hpp>
 
 namespace graze::realroots {
 
@@ -34,67 +31,9 @@ Roots solve(const S& solver, const std::vector<T>& c, double lo = -kInfinity, do
   return roots;
 }
 
-struct HardPolynomial {
-  std::string origin;
-  std::vector<double> c;
-  std::vector<double> roots;
-};
-
-/// The quoted words of the list or the word that follows "key": in one line of JSON.
-inline std::vector<std::string> words_after(const std::string& line, const std::string& key) {
-  std::size_t at = line.find("\"" + key + "\":");
-  if (at == std::string::npos) throw std::runtime_error("no " + key + " in a line of the hard polynomials");
-  at += key.size() + 3;
-  const std::size_t first = line.find_first_not_of(' ', at);
-  const std::size_t end = line[first] == '[' ? line.find(']', at) : line.find('"', first + 1) + 1;
-  std::vector<std::string> words;
-  for (std::size_t open = line.find('"', at); open < end;) {
-    const std::size_t close = line.find('"', open + 1);
-    words.push_back(line.substr(open + 1, close - open - 1));
-    open = line.find('"', close + 1);
-  }
-  return words;
-}
-
-inline std::vector<HardPolynomial> hard_polynomials() {
-  std::ifstream file(std::string(GRAZE_TEST_DATA) + "/polynomials_hard.jsonl");
-  std::vector<HardPolynomial> all;
-  for (std::string line; std::getline(file, line);) {
-    const auto numbers = [&](const std::string& key) {
-      std::vector<double> result;
-      for (const std::string& word : words_after(line, key))
-        result.push_back(std::strtod(word.c_str(), nullptr));
-      return result;
-    };
-    all.push_back({words_after(line, "origin").front(), numbers("c"), numbers("roots")});
-  }
-  return all;
-}
-
-/// p(x), p'(x) and sum |c_i x^i| in long double.
-struct Wide {
-  long double value = 0, derivative = 0, size = 0;
-};
-inline Wide evaluate_wide(const std::vector<double>& c, double at) {
-  const auto x = static_cast<long double>(at);
-  Wide p;
-  for (std::size_t i = c.size(); i-- > 0;) {
-    p.derivative = p.derivative * x + p.value;
-    p.value = p.value * x + static_cast<long double>(c[i]);
-    p.size = p.size * std::fabs(x) + std::fabs(static_cast<long double>(c[i]));
-  }
-  return p;
-}
-
-/// |p(x)| in units of n u sum |c_i x^i|: how far the coefficients are from a polynomial with the root x.
-inline double backward_error(const std::vector<double>& c, double x) {
-  const Wide p = evaluate_wide(c, x);
-  return static_cast<double>(std::fabs(p.value) / p.size) / (static_cast<double>(c.size() - 1) * 0x1p-53);
-}
-
 /// A relative change of n u of every coefficient moves the simple root x by so much.
 inline double condition_unit(const std::vector<double>& c, double x) {
-  const Wide p = evaluate_wide(c, x);
+  const WideValue p = evaluate_wide(c, static_cast<long double>(x));
   return static_cast<double>(c.size() - 1) * 0x1p-53 * static_cast<double>(p.size / std::fabs(p.derivative));
 }
 
@@ -129,10 +68,11 @@ inline std::vector<double> random_coefficients(Rng& rng, int degree, double lo =
 }
 
 inline int sign_changes_on_a_grid(const std::vector<double>& c, double lo, double hi, int cells) {
+  const auto value = [&](double x) { return evaluate_wide(c, static_cast<long double>(x)).value; };
   int count = 0;
   for (int i = 0; i < cells; ++i) {
     const double a = lo + (hi - lo) * i / cells, b = lo + (hi - lo) * (i + 1) / cells;
-    count += (evaluate_wide(c, a).value < 0) != (evaluate_wide(c, b).value < 0) ? 1 : 0;
+    count += (value(a) < 0) != (value(b) < 0) ? 1 : 0;
   }
   return count;
 }
