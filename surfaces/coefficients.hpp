@@ -35,7 +35,8 @@ requires std::is_floating_point_v<T> T sqr(T x) { return x * x; }
 /// Exact coefficients by `make(c)`, which fills a span of dyadics; it lives as long as the block's equations.
 template <class Make>
 ExactCoefficients exact_by(Arena& arena, const Make& make) {
-  return {arena.make(make), [](const void* self, std::span<Dyadic> c) { (*static_cast<const Make*>(self))(c); }};
+  return {arena.make(make),
+          [](const void* self, std::span<Dyadic> c) { (*static_cast<const Make*>(self))(c); }};
 }
 
 /// The point p at l = centre: as rounded in `ray`, enclosed, or exactly.

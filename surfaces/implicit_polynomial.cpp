@@ -6,10 +6,10 @@
 #include <optional>
 #include <stdexcept>
 
+#include <graze/solvers/math/big_integer.hpp>
 #include <graze/solvers/math/rng.hpp>
 #include <graze/solvers/math/scaling.hpp>
 #include <graze/surfaces/coefficients.hpp>
-#include <graze/solvers/math/big_integer.hpp>
 #include <graze/surfaces/recentred_ball.hpp>
 
 namespace graze {
