@@ -27,7 +27,7 @@ struct Counters {
   std::uint32_t iterations = 0;   ///< steps of the method: Newton steps, bisections, QR sweeps
   std::uint32_t starts = 0;       ///< start values tried, for methods that have them
   std::uint32_t tests = 0;        ///< of a surface's parts before any equation: planes, slabs, edges
-  std::uint32_t tier = 0;         ///< of a ladder's arithmetics, the highest that was needed (certified.md)
+  std::uint32_t tier = 0;         ///< of a ladder, the highest that was needed (certified.md)
 
   Counters& operator+=(const Counters& other) {
     evaluations += other.evaluations;
