@@ -1,4 +1,5 @@
-// The right number of roots, proved, by a ladder of ever more exact arithmetic: the solver to use unless there is a reason.
+// The right number of roots, proved, by ever more exact arithmetic: the solver to use unless there is a
+// reason.
 //
 // solves    p(x) = 0 (form polynomial, any degree, either basis) or f(x) = 0 by inclusions (form interval) on
 //           the closed interval [lo, hi]
