@@ -120,7 +120,8 @@ void add_if_real(const Problem<T>& problem, std::complex<T> approximation, bool 
   const auto p = evaluate(problem.c, x);
   ++roots.counters.evaluations;
   const T tolerance = problem.tolerance(x);
-  if (pair && std::fabs(p.value) > tolerance) return;
+  // Beyond the range of T nothing can be told.
+  if (pair && !(std::isfinite(tolerance) && std::fabs(p.value) <= tolerance)) return;
   const T radius = pair ? approximation.imag() + std::sqrt(kU<T>) * std::fabs(x)
                         : (std::fabs(p.value) + tolerance) / std::fabs(p.derivative);
   add_real(problem, x, radius, pair ? 2U : 1U, roots);
@@ -134,7 +135,8 @@ bool is_split(const Problem<T>& problem, const Root& a, const Root& b, Counters&
   constexpr T kRounding = 4;
   const T middle = static_cast<T>(a.x + 0.5 * (b.x - a.x));
   ++counters.evaluations;
-  return std::fabs(evaluate(problem.c, middle).value) <= kRounding * kU<T> * magnitude_sum(problem.c, middle);
+  const T size = magnitude_sum(problem.c, middle);
+  return std::isfinite(size) && std::fabs(evaluate(problem.c, middle).value) <= kRounding * kU<T> * size;
 }
 
 /// Sorts, and makes one root of those that cannot be told apart.

@@ -47,6 +47,7 @@ void TeardropCertified::look_again(const Ray& ray, bool all, KernelAnswers& answ
       if ((crossing.hi + line.centre).hi < 0) continue;
       if (!((crossing.lo + line.centre).hi > 0)) return;  // at the origin, on one side or the other: open
       const double l = scale_by_power((crossing.delta + line.centre).hi, local.l_exponent);
+      if (!(l > 0 && std::isfinite(l))) return;  // beyond the range of double: open
       double& next = answers.l[static_cast<std::size_t>(hits)][at];
       // Two crossings are two hits, also where both round to one double.
       next =

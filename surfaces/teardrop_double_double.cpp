@@ -9,7 +9,8 @@
 namespace graze {
 namespace {
 
-constexpr double kU2 = 0x1p-106;  // u^2
+constexpr double kU2 = 0x1p-106;    // u^2
+constexpr double kTiny = 0x1p-800;  // above what underflow can add to a bound, far below what matters
 
 using Proved = LineAnswer::Proved;
 
@@ -67,7 +68,8 @@ class Line {
     const double slope = v.hi > 0x1p-10 ? std::min(local, 6 * m_) : 6 * m_;
     result.error =
         1.01 * (160 * kU2 * rho.hi + slope * e_height + 2 * (std::fabs(x.hi) * ex + std::fabs(z.hi) * ez) +
-                ex * ex + ez * ez + 16 * kU2 * square.hi);
+                ex * ex + ez * ez + 16 * kU2 * square.hi) +
+        kTiny;
     return result;
   }
 
@@ -121,8 +123,8 @@ class Line {
     const DoubleDouble rise = (2 - t * (2 + 3 * t)) / (4 * t) * d_.y;
     const DoubleDouble spread = (x * d_.x + z * d_.z) / rho;
     const double size = 2 * std::fabs(d_.y) / t.hi + 4;
-    const double moved = 64 * kU2 * (std::fabs(delta.hi) * 2 + 16);  // of a coordinate
-    const double bend = d_.y * d_.y / (t.hi * t.hi * t.hi) + 4 / rho.hi;
+    const double moved = 64 * kU2 * (std::fabs(delta.hi) * 2 + reach() + 16);  // of a coordinate
+    const double bend = d_.y * d_.y / (t.hi * t.hi * t.hi) + 8 / rho.hi;
     return {rise - spread, 1024 * kU2 * size + moved * bend};
   }
 
@@ -134,8 +136,15 @@ class Line {
     return {std::min(a, b), std::max(a, b)};
   }
   [[nodiscard]] bool runs_up() const { return d_.y > 0; }
+  /// Of p from the axis and the bottom, a coordinate.
+  [[nodiscard]] double reach() const {
+    return std::max({std::fabs(p_[0].hi), std::fabs(p_[1].hi), std::fabs(p_[2].hi)});
+  }
   [[nodiscard]] double distance_from_axis(const DoubleDouble& delta) const {
     return std::hypot(p_[0].hi + delta.hi * d_.x, p_[2].hi + delta.hi * d_.z);
+  }
+  [[nodiscard]] double distance_from_origin(const DoubleDouble& delta) const {
+    return std::hypot(p_[0].hi + delta.hi * d_.x, p_[1].hi + delta.hi * d_.y, p_[2].hi + delta.hi * d_.z);
   }
   /// G' where the line passes the apex's plane.
   [[nodiscard]] double slope_at_top(double delta) const {
@@ -185,13 +194,15 @@ DoubleDouble deepest(const Line& line) {
 }
 
 /// G is concave: it lies below its tangent. So the line misses where G at one point is further below zero
-/// than the tangent's slope can make up for within the body's reach, 8 m (max |d_i| >= 1).
+/// than the tangent's slope can make up for on the way to the body: no point of that is further from the
+/// origin of the frame than 8 m, and |d| >= 1.
 bool misses(const Line& line, const DoubleDouble& at, const Value& value, double m) {
   if (!value.is_outside() || value.is_beside) return false;
   const Line::Slope slope = line.depth_slope(at);
   // F = G (R + rho), and R + rho = 2 rho + G <= 2 rho.
   const double below = (-value.f.hi - value.error) / (2.01 * line.distance_from_axis(at));
-  return below > 1.01 * (std::fabs(slope.value.hi) + slope.error) * 16 * m;
+  const double way = line.distance_from_origin(at) + 8 * m;
+  return below > 1.01 * (std::fabs(slope.value.hi) + slope.error) * way;
 }
 
 /// The plane of the apex cuts the slab where G' still points out of it: everything below is less deep than
@@ -204,7 +215,7 @@ bool misses_above(const Line& line, double m) {
   const DoubleDouble at = top;
   const double rho = line.distance_from_axis(at);
   if (!(rho > 0x1p-40 * m)) return false;
-  return outward * line.slope_at_top(top) > 0x1p-40 * (1 + std::fabs(top)) / rho;
+  return outward * line.slope_at_top(top) > 0x1p-40 * (1 + std::fabs(top) + line.reach()) / rho;
 }
 
 /// The crossing in direction `sense` of an inside point, in double. Newton's steps on G, which is concave:

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kU = 0x1p-53;
 constexpr double kInfinity = __builtin_inf();
+constexpr double kTiny = 0x1p-960;   // far above what underflow can add to a bound, far below what matters
 constexpr std::size_t kBlock = 256;  // about 30 kB of lanes: the first cache level
 constexpr std::size_t kPadded = kBlock + kLanes;
 
@@ -143,8 +144,9 @@ Sign sign_at(const Frame& frame, const Queue& queue, std::size_t i, Lanes l) {
   const Lanes rho = kv * g * g;
   const Lanes square = fma(x, x, z * z);
   const Lanes size_g = abs(g) + 16 * kU;
-  const Lanes error =
-      kU * fma(kv * size_g, fma(v, all(3.0), fma(t, all(3.0), all(9.0))), fma(rho, all(7.0), 7 * square));
+  const Lanes bound =
+      fma(kv * size_g, fma(v, all(3.0), fma(t, all(3.0), all(9.0))), fma(rho, all(7.0), 7 * square));
+  const Lanes error = fma(bound, all(kU), all(kTiny));
   return {rho - square, error, (y < 0) | (y > frame.above)};
 }
 
@@ -297,24 +299,26 @@ void find(const Frame& frame, Queue& queue, Queue& hard) {
 /// From what is proved of the line to what is proved of the ray. `exit`: its index in that queue, if any.
 void conclude(const TeardropBatch& batch, const Block& block, std::size_t entry, std::size_t exit,
               std::size_t to, const TeardropAnswers& answers) {
-  const std::uint8_t in = block.entries.proved[entry];
-  const double back = block.back[block.entries.ray[entry]];
-  const double from = block.entries.delta[entry] * back;
   const bool has_exit = exit < block.exits.size;
+  const std::uint8_t in = block.entries.proved[entry];
   const std::uint8_t out = has_exit ? block.exits.proved[exit] : in;
   if (in == kMissed || out == kMissed) {
     answers.hits[to] = 0;
-  } else if (in == kFound && !has_exit && from > 0) {
-    answers.hits[to] = 1;
-    answers.first[to] = from;
-  } else if (in == kFound && out == kFound && has_exit) {
-    const double until = -block.exits.delta[exit] * back;
-    const bool enters = from > 0, leaves = until > 0;
-    if (enters && leaves && !(from < until)) return;
-    answers.hits[to] = enters && batch.both ? 2 : leaves ? 1 : 0;
-    answers.first[to] = enters ? from : until;
-    if (enters && batch.both) answers.second[to] = until;
+    return;
   }
+  if (in != kFound || out != kFound) return;
+  const double from = block.entries.delta[entry];
+  const double until = has_exit ? -block.exits.delta[exit] : kInfinity;
+  if (!(from < until) || (!has_exit && from < 0)) return;
+  // What leaves the range of double in the caller's units is left open.
+  const double back = block.back[block.entries.ray[entry]];
+  const double first = (from > 0 ? from : until) * back, second = until * back;
+  const bool two = batch.both && from > 0;
+  if (until > 0 && !(first > 0 && first < kInfinity)) return;
+  if (two && !(second < kInfinity)) return;
+  answers.hits[to] = until < 0 ? 0 : two ? 2 : 1;
+  answers.first[to] = first;
+  if (two) answers.second[to] = second;
 }
 
 }  // namespace
