@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <graze/solvers/math/bernstein.hpp>
 #include <graze/solvers/math/exact_polynomial.hpp>
 #include <graze/solvers/math/polynomial.hpp>
 #include <graze/solvers/math/quadratic.hpp>
@@ -117,6 +118,13 @@ void solve_bernstein_exactly(std::span<const Dyadic> c, const PolynomialEquation
   }
 }
 
+/// The option that the tiers' own methods share.
+Parameters budget_of(const Parameters& options) {
+  Parameters own;
+  if (options.has("budget")) own.set("budget", options.number("budget"));
+  return own;
+}
+
 /// The exact coefficients, where the equation has them.
 bool exact_coefficients(const PolynomialEquation& equation, std::vector<Dyadic>& c) {
   c.resize(equation.c.size());
@@ -157,11 +165,7 @@ InstructionSet Certified::instruction_set(const Parameters& options) {
 }
 
 Certified::Certified(const Parameters& options)
-    : inclusions_([&] {
-        Parameters own;
-        if (options.has("budget")) own.set("budget", options.number("budget"));
-        return own;
-      }()) {
+    : variations_(budget_of(options)), inclusions_(budget_of(options)) {
   static_cast<void>(instruction_set(options));
 }
 
@@ -174,19 +178,12 @@ void Certified::solve(const PolynomialEquation& equation, Roots& roots) const {
   const auto size = static_cast<std::size_t>(effective_degree(equation.c) + 1);
   const bool is_short = equation.basis == Basis::power && equation.c.size() <= 3;
   if (is_short && (size == 2 || size == 3) && solve_by_formula(equation, size, roots)) return;
-  if (!is_short) {
-    inclusions_.solve(equation, roots);
-    roots.counters.tier = kDouble;
-    if (roots.status != Status::uncertain) return;
-  }
+  roots.list.clear();
+  solve_by_signs(equation, roots);
+  roots.counters.tier = kDouble;
+  if (roots.status != Status::uncertain) return;
   std::vector<Dyadic> c;
-  if (!exact_coefficients(equation, c)) {
-    if (is_short) {
-      roots.list.clear();
-      inclusions_.solve(equation, roots);
-    }
-    return;
-  }
+  if (!exact_coefficients(equation, c)) return;
   roots.list.clear();
   roots.status = Status::ok;
   roots.counters.tier = kExact;
@@ -194,6 +191,15 @@ void Certified::solve(const PolynomialEquation& equation, Roots& roots) const {
     solve_power_exactly(c, equation, roots);
   } else {
     solve_bernstein_exactly(c, equation, roots);
+  }
+}
+
+/// By variations of sign; by inclusions where there are too many coefficients for that.
+void Certified::solve_by_signs(const PolynomialEquation& equation, Roots& roots) const {
+  if (equation.c.size() <= kMaxBernsteinSize) {
+    variations_.solve(equation, roots);
+  } else {
+    inclusions_.solve(equation, roots);
   }
 }
 

@@ -9,12 +9,14 @@
 //           are not exact, or inclusions, leave the count open (the listed roots are proved still);
 //           coincident for the zero polynomial; invalid for coefficients that are not finite
 // error     radius proved; the last tier's roots are the doubles nearest to the exact ones
-// cost      tier 1, double: degree 1 and 2 by formula, else inclusion and bisection; tier 2, exact: integers,
+// cost      tier 1, double: degree 1 and 2 by formula, else variations of sign; tier 3, exact: integers,
 //           microseconds to milliseconds, allocates. Counters::tier tells which one answered
-// source    tier 1: closed_form.hpp, interval_bisection.hpp; exact: math/exact_polynomial.hpp; derivation:
+// source    tier 1: closed_form.hpp, descartes.hpp, interval_bisection.hpp; exact: math/exact_polynomial.hpp;
+// derivation:
 //           solvers/certified.md
 #pragma once
 
+#include <graze/solvers/descartes.hpp>
 #include <graze/solvers/interval_bisection.hpp>
 #include <graze/solvers/math/instruction_set.hpp>
 #include <graze/solvers/solver.hpp>
@@ -33,6 +35,9 @@ class Certified {
   static InstructionSet instruction_set(const Parameters& options);
 
  private:
+  void solve_by_signs(const PolynomialEquation& equation, Roots& roots) const;
+
+  Descartes variations_;
   IntervalBisection inclusions_;
 };
 
