@@ -375,8 +375,8 @@ TEST_F(Bracketed, HardPublishedPolynomialsAreRightButForClustersThatRoundingHide
 }
 
 TEST_F(Bracketed, OptionsAreChecked) {
-  EXPECT_THROW(make("brent"), std::invalid_argument);
-  EXPECT_THROW(make("itp", 0), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(make("brent")), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(make("itp", 0)), std::invalid_argument);
 }
 
 }  // namespace
