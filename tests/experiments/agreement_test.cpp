@@ -128,8 +128,8 @@ class NamedSolver : public testing::TestWithParam<Bar> {
   }
   static void expect_bar(std::string_view family, const std::string& formulation) {
     const Bar& bar = GetParam();
-    const Tally tally =
-        run(blocks_of(find_family(family), teardrop(1), bar.rays), *solver_of(bar), formulation);
+    const std::size_t rays = kSanitized ? bar.rays / 5 : bar.rays;
+    const Tally tally = run(blocks_of(find_family(family), teardrop(1), rays), *solver_of(bar), formulation);
     print(std::string(bar.solver) + " " + (formulation.empty() ? "default" : formulation) + " on " +
               std::string(family),
           tally);
@@ -169,7 +169,7 @@ std::vector<CertifiedCase> certified_cases() {
 class CertifiedSolvers : public testing::TestWithParam<CertifiedCase> {};
 
 void expect_never_wrong(const CertifiedCase& which, const CaseFamily& family) {
-  constexpr std::size_t kRays = 500;
+  constexpr std::size_t kRays = kSanitized ? 100 : 500;
   const std::vector<Block> blocks = blocks_of(family, which.spec, kRays);
   if (blocks.empty()) return;
   const SurfaceEntry& surface = find_surface(which.spec.type);

@@ -23,7 +23,7 @@ namespace graze::test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261122;
-constexpr std::size_t kRays = 200;
+constexpr std::size_t kRays = kSanitized ? 100 : 200;
 /// Rays that are shown of each cell that is wrong: enough to see a pattern.
 constexpr std::size_t kShown = 2;
 
