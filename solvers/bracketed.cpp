@@ -33,9 +33,9 @@ struct Resolution {
 /// it is asked for no less than four ulps; below that it bisects without end.
 template <class T, class F>
 Bracket<T> toms748(const F& f, const Bracket<T>& start, const Resolution<T>& resolution) {
-  namespace policies = boost::math::policies;
-  using Quiet = policies::policy<policies::domain_error<policies::ignore_error>,
-                                 policies::evaluation_error<policies::ignore_error>>;
+  using boost::math::policies::ignore_error;
+  using Quiet = boost::math::policies::policy<boost::math::policies::domain_error<ignore_error>,
+                                              boost::math::policies::evaluation_error<ignore_error>>;
   const auto narrow = [&](T a, T b) { return b - a <= 2 * resolution(std::max(std::fabs(a), std::fabs(b))); };
   std::uintmax_t steps = Bracketed::kBudget;
   const auto [a, b] =

@@ -175,7 +175,7 @@ void Certified::solve(const PolynomialEquation& equation, Roots& roots) const {
     return;
   }
   roots.counters.tier = kDouble;
-  const auto size = static_cast<std::size_t>(effective_degree(equation.c) + 1);
+  const std::size_t size = static_cast<std::size_t>(effective_degree(equation.c)) + 1;  // -1: none
   const bool is_short = equation.basis == Basis::power && equation.c.size() <= 3;
   if (is_short && (size == 2 || size == 3) && solve_by_formula(equation, size, roots)) return;
   roots.list.clear();
