@@ -41,14 +41,14 @@ void TeardropCertified::look_again(const Ray& ray, bool all, KernelAnswers& answ
   const LineAnswer line = prove_line({local.o, local.d}, m_, !all);
   if (line.proved == LineAnswer::Proved::open) return;
   answers.tier[at] = 2;
-  std::int8_t hits = 0;
+  std::size_t hits = 0;
   if (line.proved == LineAnswer::Proved::crosses) {
     for (const LineCrossing& crossing : {line.entry, line.exit}) {
       if ((crossing.hi + line.centre).hi < 0) continue;
       if (!((crossing.lo + line.centre).hi > 0)) return;  // at the origin, on one side or the other: open
       const double l = scale_by_power((crossing.delta + line.centre).hi, local.l_exponent);
       if (!(l > 0 && std::isfinite(l))) return;  // beyond the range of double: open
-      double& next = answers.l[static_cast<std::size_t>(hits)][at];
+      double& next = answers.l[hits][at];
       // Two crossings are two hits, also where both round to one double.
       next =
           hits > 0 && l == answers.l[0][at] ? std::nextafter(l, std::numeric_limits<double>::infinity()) : l;
@@ -56,7 +56,7 @@ void TeardropCertified::look_again(const Ray& ray, bool all, KernelAnswers& answ
       if (!all) break;
     }
   }
-  answers.hits[at] = hits;
+  answers.hits[at] = static_cast<std::int8_t>(hits);
 }
 
 }  // namespace graze
