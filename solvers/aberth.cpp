@@ -30,24 +30,6 @@ bool step(Coefficients<T> c, std::span<Complex<T>> z, std::size_t i) {
   return complex_roots::magnitude(correction) <= power_basis::kU<T> * complex_roots::magnitude(z[i]);
 }
 
-/// Sweeps over those still moving, each using the newest values of the others; false: budget spent.
-template <class T>
-bool iterate(Coefficients<T> c, std::span<Complex<T>> z, Counters& counters) {
-  power_basis::Scratch<std::uint8_t> rests_memory(z.size());
-  const std::span<std::uint8_t> rests = rests_memory.span();
-  std::size_t moving = z.size();
-  for (int sweep = 0; sweep < Aberth::kSweeps && moving > 0; ++sweep) {
-    ++counters.iterations;
-    for (std::size_t i = 0; i < z.size(); ++i) {
-      if (rests[i]) continue;
-      ++counters.evaluations;
-      rests[i] = step(c, z, i) ? 1 : 0;
-      if (rests[i]) --moving;
-    }
-  }
-  return moving == 0;
-}
-
 }  // namespace
 
 SolverInfo Aberth::info() {
@@ -68,7 +50,9 @@ void Aberth::solve(const BasicPolynomialEquation<T>& equation, Roots& roots) con
     power_basis::Scratch<Complex<T>> memory(static_cast<std::size_t>(problem.degree()));
     const std::span<Complex<T>> z = memory.span();
     complex_roots::newton_polygon_points(problem.c, z);
-    if (!iterate(problem.c, z, found.counters)) found.status = Status::failed;
+    const bool rests = complex_roots::sweep_to_rest(z.size(), kSweeps, found.counters,
+                                                    [&](std::size_t i) { return step(problem.c, z, i); });
+    if (!rests) found.status = Status::failed;
     complex_roots::add_real_ones(problem, z, found);
   });
 }

@@ -346,4 +346,23 @@ void add_real_ones(const Problem<T>& problem, std::span<Complex<T>> z, Roots& ro
   }
 }
 
+/// Sweeps of a simultaneous iteration over the approximations still moving, each step using the newest values
+/// of the others: step(i) moves z[i] and says whether it has come to rest. False: the budget is spent.
+template <class Step>
+bool sweep_to_rest(std::size_t count, int budget, Counters& counters, const Step& step) {
+  power_basis::Scratch<std::uint8_t> rests_memory(count);
+  const std::span<std::uint8_t> rests = rests_memory.span();
+  std::size_t moving = count;
+  for (int sweep = 0; sweep < budget && moving > 0; ++sweep) {
+    ++counters.iterations;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (rests[i] != 0) continue;
+      ++counters.evaluations;
+      rests[i] = step(i) ? 1 : 0;
+      if (rests[i] != 0) --moving;
+    }
+  }
+  return moving == 0;
+}
+
 }  // namespace graze::complex_roots
