@@ -81,9 +81,9 @@ function(graze_surface stem)
   endif()
 endfunction()
 
-# graze_kernel(SURFACE SOLVER LANES source [NEEDS sources]): the one list line of a surface's batch kernel for a solver, in the
-# build if both are: surfaces/SURFACE_SOLVER.{hpp,cpp} defines it, LANES is compiled once for each instruction
-# set (solvers/math/lanes.hpp).
+# graze_kernel(SURFACE SOLVER LANES source [NEEDS sources]): the one list line of a surface's batch kernel for
+# a solver, in the build if both are: surfaces/SURFACE_SOLVER.{hpp,cpp} defines it, LANES is compiled once for
+# each instruction set (solvers/math/lanes.hpp).
 function(graze_kernel surface solver)
   cmake_parse_arguments(ARG "" "LANES" "NEEDS" ${ARGN})
   get_property(solvers GLOBAL PROPERTY GRAZE_SOLVER_LIST)

@@ -31,6 +31,15 @@ std::optional<Form> common_form(const SolverEntry& solver, const FormulationInfo
   return std::nullopt;
 }
 
+/// The surface's kernel for the solver; kernels compute in double.
+const KernelEntry* kernel_for(const SolverEntry& solver, const SurfaceEntry& surface, Precision precision) {
+  if (precision != Precision::binary64) return nullptr;
+  for (const KernelEntry& kernel : surface.kernels) {
+    if (kernel.solver == solver.name) return &kernel;
+  }
+  return nullptr;
+}
+
 std::size_t find_formulation(const SurfaceEntry& surface, std::string_view name) {
   std::vector<std::string_view> known;
   for (std::size_t i = 0; i < surface.formulations.size(); ++i) {
@@ -108,10 +117,8 @@ Pairing pair_up(const SolverEntry& solver, const SurfaceEntry& surface, std::str
                                 std::string(formulation) + "'" + in_float(precision) + why_limited(solver) +
                                 " (see graze list)");
   }
-  for (const KernelEntry& kernel : surface.kernels) {
-    if (kernel.solver == solver.name && precision == Precision::binary64)
-      return pair_up(solver, surface, kernel.formulation, precision);
-  }
+  if (const KernelEntry* const kernel = kernel_for(solver, surface, precision))
+    return pair_up(solver, surface, kernel->formulation, precision);
   for (std::size_t i = 0; solver.info.trusts_surface && i < surface.formulations.size(); ++i) {
     if (const auto form = common_form(solver, surface.formulations[i], precision))
       return {i, *form, precision};
@@ -146,11 +153,9 @@ Intersector::Intersector(const SurfaceEntry& surface, const SolverEntry& solver,
       certified_(solver.info.claims.certified && !surface.formulations[pairing_.formulation].is_plain),
       group_(surface.make_group(pairing_.formulation)),
       solver_(solver.make(method.options)) {
-  for (const KernelEntry& kernel : surface.kernels) {
-    const bool is_ours =
-        kernel.solver == solver.name && kernel.formulation == surface.formulations[pairing_.formulation].name;
-    if (is_ours && pairing_.precision == Precision::binary64) kernel_ = kernel.make(method.options);
-  }
+  const KernelEntry* const kernel = kernel_for(solver, surface, pairing_.precision);
+  if (kernel != nullptr && kernel->formulation == surface.formulations[pairing_.formulation].name)
+    kernel_ = kernel->make(method.options);
 }
 
 std::size_t Intersector::add(const SurfaceEntry& entry, const SurfaceSpec& spec) {
@@ -169,14 +174,10 @@ bool Intersector::serves(const SurfaceEntry& surface, const SolverEntry& solver,
 
 void Intersector::intersect(std::span<const Ray> rays, std::span<const Task> tasks, bool all,
                             Workspace& work) const {
-  work.hits.clear();
   work.kernel_hits.clear();
-  work.solved = tasks;
-  if (kernel_ != nullptr) {
-    run_kernel(rays, tasks, all, work);
-    work.solved = work.open;
-  }
-  solve_tasks(rays, work);
+  if (kernel_ == nullptr) return solve_tasks(rays, tasks, work);
+  run_kernel(rays, tasks, all, work);
+  solve_tasks(rays, work.open, work);
 }
 
 /// Answers what the kernel can prove; the rest is left in work.open.
@@ -188,15 +189,15 @@ void Intersector::run_kernel(std::span<const Ray> rays, std::span<const Task> ta
   for (std::uint32_t i = 0; i < tasks.size(); ++i) {
     if (work.kernel.hits[i] == KernelAnswers::kOpen) work.open.push_back(tasks[i]);
     for (int k = 0; k < work.kernel.hits[i]; ++k) {
-      const bool touches = (work.kernel.touching[i] >> static_cast<unsigned>(k) & 1U) != 0;
-      work.kernel_hits.push_back({i, touches ? 2U : 1U, work.kernel.l[static_cast<std::size_t>(k)][i]});
+      work.kernel_hits.push_back(
+          {i, work.kernel.multiplicity(i, k), work.kernel.l[static_cast<std::size_t>(k)][i]});
     }
   }
 }
 
-/// Poses work.solved as equations.
-void Intersector::solve_tasks(std::span<const Ray> rays, Workspace& work) const {
-  const std::span<const Task> tasks = work.solved;
+void Intersector::solve_tasks(std::span<const Ray> rays, std::span<const Task> tasks, Workspace& work) const {
+  work.hits.clear();
+  work.solved = tasks;
   work.status.assign(tasks.size(), Status::ok);
   work.counters.assign(tasks.size(), {});
   if (tasks.empty()) return;
@@ -344,13 +345,14 @@ const AnyKernel* Scene::lone_kernel(Wanted wanted) const {
 void Scene::answer_by_kernel(const AnyKernel& kernel, std::span<const Ray> rays, Workspace& work,
                              HitBuffer& out) const {
   const bool all = work.query == Query::all;
-  KernelAnswers& answers = work.lone;
+  KernelAnswers& answers = work.block.kernel;
   kernel.intersect(rays, all, answers);
   work.hits.clear();
   work.status.assign(rays.size(), Status::ok);
   work.counters.assign(rays.size(), {});
   work.nearest.assign(rays.size(), std::numeric_limits<double>::infinity());
-  std::vector<Task>& open = work.tasks.front();
+  std::vector<Task>& open = work.block.open;
+  open.clear();
   for (std::uint32_t i = 0; i < rays.size(); ++i) {
     if (answers.hits[i] != KernelAnswers::kOpen) continue;
     if (is_valid(rays[i])) {
@@ -360,15 +362,16 @@ void Scene::answer_by_kernel(const AnyKernel& kernel, std::span<const Ray> rays,
     }
   }
   if (!open.empty()) {
-    run(0, rays, work);
+    work.block.kernel_hits.clear();
+    intersectors_.front().solve_tasks(rays, open, work.block);
+    collect(0, open, work);
     sort_hits(work);
   }
   std::size_t next = 0;
   for (std::uint32_t i = 0; i < rays.size(); ++i) {
     work.counters[i].tier = std::max<std::uint32_t>(work.counters[i].tier, answers.tier[i]);
     for (int k = 0; k < answers.hits[i]; ++k) {
-      const bool touches = (answers.touching[i] >> static_cast<unsigned>(k) & 1U) != 0;
-      out.append(answers.l[static_cast<std::size_t>(k)][i], 0, touches ? 2U : 1U);
+      out.append(answers.l[static_cast<std::size_t>(k)][i], 0, answers.multiplicity(i, k));
     }
     for (; next < work.hits.size() && work.hits[next].ray == i; ++next)
       out.append(work.hits[next].l, 0, work.hits[next].local.multiplicity);
@@ -471,8 +474,14 @@ void Scene::flush(std::span<const Ray> rays, Workspace& work) const {
 /// Asks one intersector its pending tasks and collects the hits.
 void Scene::run(std::size_t index, std::span<const Ray> rays, Workspace& work) const {
   std::vector<Task>& tasks = work.tasks[index];
-  Intersector::Workspace& block = work.block;
-  intersectors_[index].intersect(rays, tasks, work.query == Query::all, block);
+  intersectors_[index].intersect(rays, tasks, work.query == Query::all, work.block);
+  collect(index, tasks, work);
+  tasks.clear();
+}
+
+/// The block's hits as hits of the scene; `tasks` are those that the kernel was asked.
+void Scene::collect(std::size_t index, std::span<const Task> tasks, Workspace& work) const {
+  const Intersector::Workspace& block = work.block;
   for (std::size_t i = 0; i < block.solved.size(); ++i) {
     const std::uint32_t ray = block.solved[i].ray;
     work.status[ray] = worse(work.status[ray], block.status[i]);
@@ -494,7 +503,6 @@ void Scene::run(std::size_t index, std::span<const Ray> rays, Workspace& work) c
   }
   for (const KernelHit& hit : block.kernel_hits)
     add(hit.l, tasks[hit.task], {.multiplicity = hit.multiplicity, .delta = hit.l, .is_world = true});
-  tasks.clear();
 }
 
 void Scene::write_out(std::span<const Ray> rays, Wanted wanted, Workspace& work, HitBuffer& out) const {

@@ -69,6 +69,8 @@ class Intersector {
   /// Hits of at most kBlock tasks, unsorted, in the workspace: the kernel's as they are (kernel_hits), the
   /// others in local frames (hits). Without `all` a kernel looks for the first hit only.
   void intersect(std::span<const Ray> rays, std::span<const Task> tasks, bool all, Workspace& work) const;
+  /// The same by equations alone, for tasks that the kernel left: hits, status and counters of work.solved.
+  void solve_tasks(std::span<const Ray> rays, std::span<const Task> tasks, Workspace& work) const;
   /// Normals (world) and parameters of hits, one task a hit (hits[i].ray = i), into work.points.
   void describe(std::span<const Ray> rays, std::span<const Task> tasks, std::span<LocalHit> hits,
                 Workspace& work) const;
@@ -88,7 +90,6 @@ class Intersector {
   void to_object(std::span<const Ray> rays, std::span<const Task> tasks, Workspace& work) const;
   void localize(std::span<const Ray> rays, std::span<const Task> tasks, Workspace& work) const;
   void run_kernel(std::span<const Ray> rays, std::span<const Task> tasks, bool all, Workspace& work) const;
-  void solve_tasks(std::span<const Ray> rays, Workspace& work) const;
   void solve(Workspace& work) const;
   template <class Equation>
   void solve_all(Workspace& work) const;
@@ -176,6 +177,7 @@ class Scene {
                     HitBuffer& out) const;
   void answer_by_kernel(const AnyKernel& kernel, std::span<const Ray> rays, Workspace& work,
                         HitBuffer& out) const;
+  void collect(std::size_t intersector, std::span<const Task> tasks, Workspace& work) const;
   void sort_hits(Workspace& work) const;
   void ask_always(std::span<const Ray> rays, Workspace& work) const;
   void ask_all(std::span<const Ray> rays, Workspace& work) const;
@@ -225,7 +227,6 @@ class Scene::Workspace {
   std::vector<Bvh::Walk> walks;
   std::vector<std::uint32_t> active, leaf;
   std::vector<LocalHit> described;
-  KernelAnswers lone;  ///< of answer_by_kernel
   std::vector<std::size_t> places;
 };
 

@@ -34,6 +34,9 @@ struct KernelAnswers {
   std::vector<std::uint8_t> touching;        ///< bit k: hit k touches (multiplicity 2)
   std::vector<std::uint8_t> tier;            ///< which arithmetic answered: Counters::tier
 
+  [[nodiscard]] std::uint32_t multiplicity(std::size_t ray, int hit) const {
+    return (touching[ray] >> static_cast<unsigned>(hit) & 1U) != 0 ? 2 : 1;
+  }
   void resize(std::size_t count) {
     hits.resize(count);
     touching.assign(count, 0);
