@@ -45,7 +45,8 @@ double radius_of(const PolynomialEquation& equation, std::size_t size, double x,
     sum = sum * std::fabs(x) + error_of(equation, i);
     if (i > 0) slope = slope * x + static_cast<double>(i) * equation.c[i];
   }
-  // Twice: |p'| may shrink by half within a radius that is small beside the distance of the roots.
+  // Twice: |p'| shrinks by no more than half within a radius that is a quarter of the roots' distance
+  // (solve_by_formula sees to that), or where it is known to half (degree 1).
   return kFormula * std::fabs(x) + (is_double || sum == 0 ? 0 : 2 * sum / std::fabs(slope));
 }
 
@@ -54,7 +55,7 @@ bool solve_by_formula(const PolynomialEquation& equation, std::size_t size, Root
   std::array<double, 2> x{};
   int count = 1;
   if (size == 2) {
-    if (!(std::fabs(equation.c[1]) > error_of(equation, 1))) return false;
+    if (!(std::fabs(equation.c[1]) > 2 * error_of(equation, 1))) return false;
     x[0] = -equation.c[0] / equation.c[1];
   } else {
     if (!discriminant_is_certain(equation)) return false;
@@ -70,7 +71,7 @@ bool solve_by_formula(const PolynomialEquation& equation, std::size_t size, Root
     const bool outside = root + radius < equation.lo || root - radius > equation.hi;
     const bool inside = root - radius >= equation.lo && root + radius <= equation.hi;
     if (!outside && !inside) return false;
-    if (count == 2 && !(x[0] + radius < x[1] - radius)) return false;
+    if (count == 2 && !(x[0] + 2 * radius < x[1] - 2 * radius)) return false;
     if (outside) continue;
     roots.list.push_back(
         {.x = root, .others = {}, .radius = radius, .multiplicity = is_double ? 2U : 1U, .certified = true});
@@ -176,8 +177,10 @@ void Certified::solve(const PolynomialEquation& equation, Roots& roots) const {
   }
   roots.counters.tier = kDouble;
   const std::size_t size = static_cast<std::size_t>(effective_degree(equation.c)) + 1;  // -1: none
-  const bool is_short = equation.basis == Basis::power && equation.c.size() <= 3;
-  if (is_short && (size == 2 || size == 3) && solve_by_formula(equation, size, roots)) return;
+  // A leading zero that is known with an error only leaves the degree open.
+  const bool is_degree = effective_degree(equation.c_error) < static_cast<int>(size);
+  const bool is_short = equation.basis == Basis::power && is_degree && (size == 2 || size == 3);
+  if (is_short && solve_by_formula(equation, size, roots)) return;
   roots.list.clear();
   solve_by_signs(equation, roots);
   roots.counters.tier = kDouble;

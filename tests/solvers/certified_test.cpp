@@ -95,6 +95,29 @@ TEST(Certified, ExactCoefficientsDecideWhatRoundedOnesCannot) {
   }
 }
 
+// 2 x - 1 + a x^2 with |a| <= 1: 1/2 moves, and a second root may come into the interval.
+TEST(Certified, ALeadingZeroWithAnErrorLeavesTheDegreeOpen) {
+  const std::vector<double> c{-1, 2, 0}, error{0, 0, 1};
+  PolynomialEquation equation = equation_of(c, -8, 8);
+  equation.c_error = error;
+  EXPECT_EQ(solve(equation).status, Status::uncertain);
+  const std::vector<double> exact{0, 0, 0};
+  equation.c_error = exact;
+  const Roots roots = solve(equation);
+  EXPECT_EQ(roots.status, Status::ok);
+  ASSERT_EQ(roots.list.size(), 1U);
+  EXPECT_EQ(roots.list[0].x, 0.5);
+}
+
+// The slope is 2 +- 1.5, so the root of 2 x - 1 lies between 2/7 and 2.
+TEST(Certified, ASlopeThatMayShrinkByMoreThanHalfProvesNoRadius) {
+  const std::vector<double> c{-1, 2}, error{0, 1.5};
+  PolynomialEquation equation = equation_of(c, -8, 8);
+  equation.c_error = error;
+  for (const Root& root : solve(equation).list) EXPECT_LE(root.x - root.radius, 2.0 / 7);
+  for (const Root& root : solve(equation).list) EXPECT_GE(root.x + root.radius, 2.0);
+}
+
 TEST(Certified, RootsOutsideTheClosedIntervalAreNoneAndThoseAtItsEndsAre) {
   const std::vector<double> c{2, -3, 1};
   EXPECT_EQ(solve(equation_of(c, 1, 2)).list.size(), 2U);
