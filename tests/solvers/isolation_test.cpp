@@ -1,7 +1,9 @@
 // What the methods that isolate real roots by changes of sign have in common (solvers/isolation.hpp).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include <graze/solvers/bezier_clipping.hpp>
@@ -22,6 +24,29 @@ class Isolation : public testing::Test {
 };
 using Methods = testing::Types<BezierClipping, Sturm>;
 TYPED_TEST_SUITE(Isolation, Methods);
+
+TYPED_TEST(Isolation, RandomPolynomialsGetEveryRootToRounding) {
+  constexpr std::uint64_t kSeed = 20261122;
+  Rng rng(kSeed);
+  double worst = 0;
+  for (int degree = 2; degree <= 20; ++degree) {
+    double pieces = 0, found = 0;
+    constexpr int kCount = 200;
+    for (int i = 0; i < kCount; ++i) {
+      const std::vector<double> c = random_coefficients(rng, degree);
+      const Roots roots = TestFixture::ask(c, -1, 1);
+      EXPECT_EQ(roots.status, Status::ok);
+      EXPECT_GE(static_cast<int>(roots.list.size()), sign_changes_on_a_grid(c, -1, 1, 256)) << degree;
+      for (const Root& root : roots.list)
+        if (root.multiplicity == 1) worst = std::max(worst, backward_error(c, root.x));
+      pieces += roots.counters.iterations;
+      found += static_cast<double>(roots.list.size());
+    }
+    std::printf("degree %2d: %.2f roots, %.1f iterations\n", degree, found / kCount, pieces / kCount);
+  }
+  std::printf("seed %llu: worst backward error %.3g n u\n", static_cast<unsigned long long>(kSeed), worst);
+  EXPECT_LE(worst, TypeParam::kMeasuredBackward);
+}
 
 TYPED_TEST(Isolation, ATouchingRootHasMultiplicityTwo) {
   const double t = 1.0 / 3;

@@ -18,29 +18,6 @@ Roots ask(const std::vector<double>& c, double lo = -kInfinity, double hi = kInf
   return solve(Sturm(kNone), c, lo, hi);
 }
 
-TEST(Sturm, RandomPolynomialsGetEveryRootToRounding) {
-  constexpr std::uint64_t kSeed = 20261122;
-  Rng rng(kSeed);
-  double worst = 0;
-  for (int degree = 2; degree <= 20; ++degree) {
-    double pieces = 0, found = 0;
-    constexpr int kCount = 200;
-    for (int i = 0; i < kCount; ++i) {
-      const std::vector<double> c = random_coefficients(rng, degree);
-      const Roots roots = ask(c, -1, 1);
-      EXPECT_EQ(roots.status, Status::ok);
-      EXPECT_GE(static_cast<int>(roots.list.size()), sign_changes_on_a_grid(c, -1, 1, 256)) << degree;
-      for (const Root& root : roots.list)
-        if (root.multiplicity == 1) worst = std::max(worst, backward_error(c, root.x));
-      pieces += roots.counters.iterations;
-      found += static_cast<double>(roots.list.size());
-    }
-    std::printf("degree %2d: %.2f roots, %.1f counts\n", degree, found / kCount, pieces / kCount);
-  }
-  std::printf("seed %llu: worst backward error %.3g n u\n", static_cast<unsigned long long>(kSeed), worst);
-  EXPECT_LE(worst, Sturm::kMeasuredBackward);
-}
-
 // Sturm's own promise: the number of distinct roots between two points, multiplicities not counted.
 TEST(Sturm, DistinctRootsOfAPolynomialWithRepeatedFactorsAreCountedOnce) {
   // (x - 1)^2 (x - 2)^2 (x + 3)

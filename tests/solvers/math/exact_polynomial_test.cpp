@@ -15,27 +15,14 @@
 #include <graze/solvers/math/exact_polynomial.hpp>
 
 #include "exact.hpp"
+#include "gmp_integers.hpp"
 
 namespace graze {
 namespace {
 
 using namespace test;
-using Gmp = boost::multiprecision::number<boost::multiprecision::gmp_int, boost::multiprecision::et_off>;
 using Integers = std::vector<BigInteger>;
 
-constexpr std::uint64_t kSeed = 20261122;
-
-Rng seeded(std::uint64_t offset) {
-  std::printf("    seed %" PRIu64 "\n", kSeed + offset);
-  return Rng(kSeed + offset);
-}
-
-Gmp gmp(const BigInteger& x) {
-  Gmp value = 0;
-  const auto limbs = x.limbs();
-  for (std::size_t i = limbs.size(); i-- > 0;) value = (value << 64) + limbs[i];
-  return x.sign() < 0 ? Gmp(-value) : value;
-}
 BigInteger integer(const Gmp& x) {
   BigInteger value;
   Gmp rest = abs(x);
