@@ -106,7 +106,9 @@ function(graze_kernel surface solver)
     set(object graze_${stem}_${set})
     add_library(${object} OBJECT ${ARG_LANES})
     target_compile_features(${object} PRIVATE cxx_std_20)
-    target_compile_options(${object} PRIVATE ${flags_${set}})
+    # g++ 12 warns about the deliberately undefined vectors of its own intrinsics (GCC bug 105593).
+    target_compile_options(${object} PRIVATE ${flags_${set}}
+      $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-uninitialized$<SEMICOLON>-Wno-maybe-uninitialized>)
     target_include_directories(${object} PRIVATE ${GRAZE_INCLUDE_DIR})
     target_link_libraries(${object} PRIVATE graze_flags)
     set_target_properties(${object} PROPERTIES POSITION_INDEPENDENT_CODE ON)

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -50,6 +51,30 @@ class HitBuffer {
     ends_.push_back(static_cast<std::uint32_t>(l.size()));
     status.push_back(ray_status);
     counters.push_back(ray_counters);
+  }
+  /// Room for up to `hits` hits of the next rays, to be filled in the arrays and cut by close_rays; hits of
+  /// surface 0, not touching, if nobody says otherwise.
+  void grow(std::size_t hits) {
+    l.resize(l.size() + hits);
+    surface.resize(l.size(), 0);
+    multiplicity.resize(l.size(), 1);
+  }
+  /// Closes the answers of counts.size() rays at once, all ok: counts[i] hits each, in the arrays since the
+  /// last ray was closed. `work`: as many counters, or more.
+  void close_rays(std::span<const std::int8_t> counts, std::span<const Counters> work) {
+    std::size_t end = ends_.empty() ? 0 : ends_.back();
+    const std::size_t first = ends_.size();
+    ends_.resize(first + counts.size());
+    std::uint32_t* const ends = ends_.data() + first;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      end += static_cast<std::size_t>(counts[i]);
+      ends[i] = static_cast<std::uint32_t>(end);
+    }
+    l.resize(end);
+    surface.resize(end);
+    multiplicity.resize(end);
+    status.resize(ends_.size(), Status::ok);
+    counters.insert(counters.end(), work.begin(), work.begin() + static_cast<std::ptrdiff_t>(counts.size()));
   }
   /// Empties the buffer and keeps its memory.
   void clear() {

@@ -40,6 +40,36 @@ const KernelEntry* kernel_for(const SolverEntry& solver, const SurfaceEntry& sur
   return nullptr;
 }
 
+/// Answers of a kernel that left no ray open, as those of surface 0. Rays are many and cheap here: whole
+/// arrays are copied, and no branch depends on a ray where it has at most one hit.
+void append_answers(const KernelAnswers& answers, const KernelAnswers::Extremes& extremes,
+                    std::span<const Counters> first_tier, HitBuffer& out) {
+  const std::size_t rays = answers.hits.size(), ray = out.rays(), hit = out.l.size();
+  const auto most = static_cast<std::size_t>(extremes.most);
+  out.grow(rays * most);
+  double* next = out.l.data() + hit;
+  if (most == 1) {
+    for (std::size_t i = 0; i < rays; ++i) {
+      *next = answers.l[0][i];
+      next += answers.hits[i];
+    }
+  } else {
+    for (std::size_t i = 0; i < rays; ++i) {
+      for (std::size_t k = 0; k < static_cast<std::size_t>(answers.hits[i]); ++k) *next++ = answers.l[k][i];
+    }
+  }
+  out.close_rays(answers.hits, first_tier);
+  if (extremes.tier > 1) {
+    for (std::size_t i = 0; i < rays; ++i) out.counters[ray + i].tier = answers.tier[i];
+  }
+  if (extremes.touches) {
+    for (std::size_t i = 0; i < rays; ++i) {
+      for (std::size_t k = out.begin(ray + i); k < out.end(ray + i); ++k)
+        out.multiplicity[k] = answers.multiplicity(i, static_cast<int>(k - out.begin(ray + i)));
+    }
+  }
+}
+
 std::size_t find_formulation(const SurfaceEntry& surface, std::string_view name) {
   std::vector<std::string_view> known;
   for (std::size_t i = 0; i < surface.formulations.size(); ++i) {
@@ -344,9 +374,20 @@ const AnyKernel* Scene::lone_kernel(Wanted wanted) const {
 
 void Scene::answer_by_kernel(const AnyKernel& kernel, std::span<const Ray> rays, Workspace& work,
                              HitBuffer& out) const {
-  const bool all = work.query == Query::all;
   KernelAnswers& answers = work.block.kernel;
-  kernel.intersect(rays, all, answers);
+  kernel.intersect(rays, work.query == Query::all, answers);
+  const KernelAnswers::Extremes extremes = answers.extremes();
+  if (extremes.fewest >= 0) {
+    work.first_tier.resize(kBlock, {.tier = 1});
+    append_answers(answers, extremes, work.first_tier, out);
+  } else {
+    complete_answers(answers, rays, work, out);
+  }
+}
+
+/// The rays that the kernel left are asked of the solver; the answers of both in the order of the rays.
+void Scene::complete_answers(const KernelAnswers& answers, std::span<const Ray> rays, Workspace& work,
+                             HitBuffer& out) const {
   work.hits.clear();
   work.status.assign(rays.size(), Status::ok);
   work.counters.assign(rays.size(), {});
@@ -361,12 +402,10 @@ void Scene::answer_by_kernel(const AnyKernel& kernel, std::span<const Ray> rays,
       work.status[i] = Status::invalid;
     }
   }
-  if (!open.empty()) {
-    work.block.kernel_hits.clear();
-    intersectors_.front().solve_tasks(rays, open, work.block);
-    collect(0, open, work);
-    sort_hits(work);
-  }
+  work.block.kernel_hits.clear();
+  intersectors_.front().solve_tasks(rays, open, work.block);
+  collect(0, open, work);
+  sort_hits(work);
   std::size_t next = 0;
   for (std::uint32_t i = 0; i < rays.size(); ++i) {
     work.counters[i].tier = std::max<std::uint32_t>(work.counters[i].tier, answers.tier[i]);

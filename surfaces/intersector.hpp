@@ -177,6 +177,8 @@ class Scene {
                     HitBuffer& out) const;
   void answer_by_kernel(const AnyKernel& kernel, std::span<const Ray> rays, Workspace& work,
                         HitBuffer& out) const;
+  void complete_answers(const KernelAnswers& answers, std::span<const Ray> rays, Workspace& work,
+                        HitBuffer& out) const;
   void collect(std::size_t intersector, std::span<const Task> tasks, Workspace& work) const;
   void sort_hits(Workspace& work) const;
   void ask_always(std::span<const Ray> rays, Workspace& work) const;
@@ -228,6 +230,7 @@ class Scene::Workspace {
   std::vector<std::uint32_t> active, leaf;
   std::vector<LocalHit> described;
   std::vector<std::size_t> places;
+  std::vector<Counters> first_tier;  ///< of a block of rays that its kernel's first tier answered
 };
 
 }  // namespace graze

@@ -11,6 +11,7 @@
 // The formulation's unknown is l, so that a hit's place on the surface can be lifted from it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -36,6 +37,22 @@ struct KernelAnswers {
 
   [[nodiscard]] std::uint32_t multiplicity(std::size_t ray, int hit) const {
     return (touching[ray] >> static_cast<unsigned>(hit) & 1U) != 0 ? 2 : 1;
+  }
+  /// Of all rays: one pass, so that the ordinary batch, where there is nothing special, is told from others.
+  struct Extremes {
+    std::int8_t fewest = 0, most = 0;  ///< hits; fewest < 0: some ray is open
+    std::uint8_t tier = 1;             ///< the highest
+    bool touches = false;
+  };
+  [[nodiscard]] Extremes extremes() const {
+    Extremes all;
+    std::uint8_t touches = 0;
+    for (const std::int8_t count : hits) all.fewest = std::min(all.fewest, count);
+    for (const std::int8_t count : hits) all.most = std::max(all.most, count);
+    for (const std::uint8_t one : tier) all.tier = std::max(all.tier, one);
+    for (const std::uint8_t one : touching) touches |= one;
+    all.touches = touches != 0;
+    return all;
   }
   void resize(std::size_t count) {
     hits.resize(count);

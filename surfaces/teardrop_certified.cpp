@@ -21,18 +21,18 @@ void TeardropCertified::intersect(std::span<const Ray> rays, bool all, KernelAns
     std::fill_n(to.hits, rays.size(), KernelAnswers::kOpen);
     return;
   }
-  run_lanes({rays.data(), rays.size(), m_, inverse_unit_, all}, to);
+  if (run_lanes({rays.data(), rays.size(), m_, 1 / inverse_unit_, inverse_unit_, all}, to) == 0) return;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (to.hits[i] == KernelAnswers::kOpen && is_valid(rays[i])) look_again(rays[i], all, answers, first + i);
   }
 }
 
-void TeardropCertified::run_lanes(const TeardropBatch& batch, const TeardropAnswers& to) const {
+std::size_t TeardropCertified::run_lanes(const TeardropBatch& batch, const TeardropAnswers& to) const {
 #if defined(__x86_64__)
   if (set_ == InstructionSet::avx512) return avx512::intersect_teardrop(batch, to);
   if (set_ == InstructionSet::avx2) return avx2::intersect_teardrop(batch, to);
 #endif
-  baseline::intersect_teardrop(batch, to);
+  return baseline::intersect_teardrop(batch, to);
 }
 
 /// The middle tier: what double-doubles prove of the line, as hits ahead of the origin.

@@ -29,7 +29,7 @@ class TeardropCertified {
   void intersect(std::span<const Ray> rays, bool all, KernelAnswers& answers, std::size_t first) const;
 
  private:
-  void run_lanes(const TeardropBatch& batch, const TeardropAnswers& to) const;
+  std::size_t run_lanes(const TeardropBatch& batch, const TeardropAnswers& to) const;
   void look_again(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const;
 
   double m_;

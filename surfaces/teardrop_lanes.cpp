@@ -2,6 +2,8 @@
 // set; derivation and error analysis: surfaces/teardrop.md, "Kernel".
 #include <graze/surfaces/teardrop_lanes.hpp>
 
+#include <type_traits>
+
 #include <graze/solvers/math/lanes.hpp>
 
 namespace graze::GRAZE_LANES {
@@ -9,9 +11,16 @@ namespace {
 
 constexpr double kU = 0x1p-53;
 constexpr double kInfinity = __builtin_inf();
+constexpr double kOpen = __builtin_nan("");
 constexpr double kTiny = 0x1p-960;   // far above what underflow can add to a bound, far below what matters
-constexpr std::size_t kBlock = 256;  // about 30 kB of lanes: the first cache level
-constexpr std::size_t kPadded = kBlock + kLanes;
+constexpr std::size_t kBlock = 256;  // about 60 kB of lanes
+constexpr std::size_t kPadded = kBlock + 2 * kLanes;
+
+template <class V>
+using Scalar = std::remove_reference_t<decltype(V{}[0])>;
+/// Half the spacing of the numbers at 1.
+template <class S>
+constexpr S kUnit = sizeof(S) == sizeof(float) ? S(0x1p-24) : S(0x1p-53);
 
 /// The profile in v = y / 6m: R^2 = m^2 rho(v), rho = 9 v g^2, g = 2 - v - sqrt(v).
 struct Frame {
@@ -41,89 +50,104 @@ Frame frame_of(double m) {
 }
 
 /// rho <= r0 + r1 (v - at) + r2 (v - at)^2 on [0, 1]: tangent at `at`, through (1, 0).
+template <class V>
 struct Majorant {
-  Lanes at, r0, r1, r2;
+  V at, r0, r1, r2;
 };
 
 /// rho''' > 0, so the difference to the quadratic has no other zero in [0, 1] than those.
-Majorant majorant_at(Lanes v) {
-  const Lanes t = sqrt(v);
-  const Lanes g = 2 - v - t;
-  const Lanes turn = 2 - 3 * v - 2 * t;
-  const Lanes w = (2 + t) / (1 + t);
+template <class V>
+[[gnu::always_inline]] inline Majorant<V> majorant_at(V v) {
+  const V t = sqrt(v);
+  const V g = 2 - v - t;
+  const V turn = 2 - 3 * v - 2 * t;
+  const V w = (2 + t) / (1 + t);
   return {v, 9 * v * g * g, 9 * g * turn, -9 * w * fma(v, w, turn)};
 }
 
 /// Lines whose entry is looked for, as arrays: an exit is the entry of the reversed line.
 struct Queue {
-  alignas(64) double o[3][kPadded], d[3][kPadded], p[3][kPadded];
-  alignas(64) double centre[kPadded];  ///< l of p
-  alignas(64) double delta[kPadded];   ///< approximation of the entry, l - centre
+  alignas(64) double o[3][kPadded], d[3][kPadded];
+  alignas(64) double centre[kPadded];  ///< l near the closest approach
+  alignas(64) double entry[kPadded];   ///< guess, l - centre; at last l, kInfinity for a miss, or kOpen
   alignas(64) double width[kPadded];   ///< what the last step leaves open
-  std::uint16_t ray[kPadded];          ///< of the block
-  std::uint8_t proved[kPadded];        ///< kFound, kMissed, or 0
+  alignas(64) double per_slope[kPadded];
+  alignas(64) float p[3][kPadded], q[3][kPadded];  ///< in floats: the point at `centre`, and d
+  alignas(64) float start[kPadded];                ///< where it enters the first majorant, l - centre
+  alignas(64) float guess[kPadded];                ///< of entry - centre
+  std::int32_t ray[kPadded];                       ///< of the block
   std::size_t size = 0;
 };
-enum : std::uint8_t { kNothing, kFound, kMissed };
-constexpr std::int8_t kOpen = -1;
 
 struct Block {
   Queue entries, exits, hard;
-  alignas(64) double back[kPadded];  ///< l of the caller = l here * back
+  alignas(64) double in[kPadded], out[kPadded];  ///< by ray: as Queue::entry; out = kInfinity: not asked for
+  alignas(64) double back[kPadded];              ///< l of the caller = l here * back
+};
+
+template <class V>
+struct Line {
+  V px, py, pz, dx, dy, dz;
 };
 
 /// A line against a majorant: m^2 Q(v(delta)) - |x_xz|^2 = a delta^2 + 2 b delta + c.
+template <class V>
 struct Quadratic {
-  Lanes a, b, c, discriminant;
-  Lanes error;  ///< of the discriminant: what it would have to exceed to be sure
-  Lanes size;   ///< of b, nothing cancelled
+  V a, b, c, discriminant;
+  V error;  ///< of the discriminant: what it would have to exceed to be sure
+  V size;   ///< of b, nothing cancelled
 };
 
-struct Line {
-  Lanes px, py, pz, dx, dy, dz;
-};
-
-/// Fewer than 16 roundings go into each of a, b, c, relative to the sums of their terms' sizes; p adds one
-/// rounding a coordinate, the majorant's own coefficients fewer than 8. The discriminant is within
-/// 2 * 32 u of the sizes' b^2 + a c.
-Quadratic against(const Frame& frame, const Line& x, const Majorant& q) {
-  const Lanes v = x.py * frame.per_height;
-  const Lanes k = x.dy * frame.per_height;
-  const Lanes s = v - q.at;
-  const Lanes size_s = abs(v) + q.at;
-  const Lanes square = fma(x.px, x.px, x.pz * x.pz);
-  const Lanes flat = fma(x.dx, x.dx, x.dz * x.dz);
-  const Lanes r1 = abs(q.r1), r2 = abs(q.r2);
-  const Lanes a = frame.m2 * q.r2 * k * k - flat;
-  const Lanes b = frame.m2 * fma(q.r2, s, 0.5 * q.r1) * k - fma(x.px, x.dx, x.pz * x.dz);
-  const Lanes c = frame.m2 * fma(s, fma(q.r2, s, q.r1), q.r0) - square;
-  const Lanes size_a = frame.m2 * r2 * k * k + flat;
-  const Lanes size_b =
-      frame.m2 * fma(r2, size_s, r1) * abs(k) + fma(abs(x.px), abs(x.dx), abs(x.pz) * abs(x.dz));
-  const Lanes size_c = frame.m2 * fma(size_s, fma(r2, size_s, r1), q.r0 + r1 + r2) + square;
-  return {a, b, c, fma(b, b, -(a * c)), 64 * kU * fma(size_b, size_b, size_a * size_c), size_b};
+/// Fewer than 20 roundings go into each of a, b, c, relative to the sums of their terms' sizes, those of p, d
+/// and the frame included; the majorant's own coefficients are within 8. The discriminant is within 2 * 32 u
+/// of the sizes' b^2 + a c; in a, the sum of two negative terms, nothing cancels.
+template <class V>
+[[gnu::always_inline]] inline Quadratic<V> against(const Frame& frame, const Line<V>& x,
+                                                   const Majorant<V>& q) {
+  using S = Scalar<V>;
+  const S per_height = static_cast<S>(frame.per_height), m2 = static_cast<S>(frame.m2);
+  const V v = x.py * per_height;
+  const V k = x.dy * per_height;
+  const V s = v - q.at;
+  const V size_s = abs(v) + q.at;
+  const V square = fma(x.px, x.px, x.pz * x.pz);
+  const V flat = fma(x.dx, x.dx, x.dz * x.dz);
+  const V r1 = abs(q.r1), r2 = abs(q.r2);
+  const V a = m2 * q.r2 * k * k - flat;
+  const V b = m2 * fma(q.r2, s, S(0.5) * q.r1) * k - fma(x.px, x.dx, x.pz * x.dz);
+  const V c = m2 * fma(s, fma(q.r2, s, q.r1), q.r0) - square;
+  const V size_b = m2 * fma(r2, size_s, r1) * abs(k) + fma(abs(x.px), abs(x.dx), abs(x.pz) * abs(x.dz));
+  const V size_c = m2 * fma(size_s, fma(r2, size_s, r1), q.r0 + r1 + r2) + square;
+  return {a, b, c, fma(b, b, -(a * c)), 64 * kUnit<S> * fma(size_b, size_b, -a * size_c), size_b};
 }
 
 /// F and what it depends on at a height, for steps: no error bound.
+template <class V>
 struct Local {
-  Lanes f, df, ddf;
-  Lanes size;  ///< of f's terms, nothing cancelled
+  V f, df;
+  V ddf_t;  ///< F'' t
+  V t;
+  V size;  ///< of f's terms, nothing cancelled
 };
 
-Local evaluate(const Frame& frame, const Line& x, Lanes delta) {
-  constexpr double kLeast = 0x1p-80;  // keeps 1/t a number
-  const Lanes px = fma(delta, x.dx, x.px), py = fma(delta, x.dy, x.py), pz = fma(delta, x.dz, x.pz);
-  const Lanes v = max(py * frame.per_height, all(kLeast));
-  const Lanes k = x.dy * frame.per_height;
-  const Lanes t = sqrt(v);
-  const Lanes g = 2 - v - t;
-  const Lanes turn = 2 - 3 * v - 2 * t;
-  const Lanes per_t = 1 / t;
-  const Lanes slope = frame.nine_m2 * g * turn;
-  const Lanes bend = frame.nine_m2 * -(fma(0.5 * per_t, turn, turn) + g * (3 + per_t));
-  return {fma(frame.nine_m2 * v * g, g, -fma(px, px, pz * pz)), fma(slope, k, -2 * fma(px, x.dx, pz * x.dz)),
-          fma(bend, k * k, -2 * fma(x.dx, x.dx, x.dz * x.dz)),
-          fma(frame.nine_m2 * v, abs(g) + 16 * kU, fma(px, px, pz * pz))};
+template <class V>
+[[gnu::always_inline]] inline Local<V> evaluate(const Frame& frame, const Line<V>& x, V delta) {
+  using S = Scalar<V>;
+  constexpr S kLeast = S(0x1p-80);  // keeps 1/t a number
+  const S per_height = static_cast<S>(frame.per_height), nine_m2 = static_cast<S>(frame.nine_m2);
+  const V px = fma(delta, x.dx, x.px), py = fma(delta, x.dy, x.py), pz = fma(delta, x.dz, x.pz);
+  const V v = max(py * per_height, all(kLeast));
+  const V k = x.dy * per_height;
+  const V t = sqrt(v);
+  const V g = 2 - v - t;
+  const V turn = 2 - 3 * v - 2 * t;
+  const V slope = nine_m2 * g * turn;
+  const V df = fma(slope, k, -2 * fma(px, x.dx, pz * x.dz));
+  // -F'' t = 9 m^2 ((t + 1/2) turn + g (3 t + 1)) k^2 + 2 |d_xz|^2 t: divided by t where it is wanted.
+  const V bend = nine_m2 * fma(t + S(0.5), turn, g * fma(t, all(S(3)), all(S(1))));
+  const V minus_ddf_t = fma(bend, k * k, 2 * t * fma(x.dx, x.dx, x.dz * x.dz));
+  return {fma(nine_m2 * v * g, g, -fma(px, px, pz * pz)), df, -minus_ddf_t, t,
+          fma(nine_m2 * v, abs(g) + 16 * kUnit<S>, fma(px, px, pz * pz))};
 }
 
 /// F = R^2 - |x_xz|^2 at the double l of the ray itself, with a bound on its error (surfaces/teardrop.md).
@@ -132,7 +156,7 @@ struct Sign {
   Mask beside;  ///< below the bottom or above the apex: outside whatever F says
 };
 
-Sign sign_at(const Frame& frame, const Queue& queue, std::size_t i, Lanes l) {
+[[gnu::always_inline]] inline Sign sign_at(const Frame& frame, const Queue& queue, std::size_t i, Lanes l) {
   const Lanes x = fma(l, load(&queue.d[0][i]), load(&queue.o[0][i]));
   const Lanes y = fma(l, load(&queue.d[1][i]), load(&queue.o[1][i]));
   const Lanes z = fma(l, load(&queue.d[2][i]), load(&queue.o[2][i]));
@@ -150,92 +174,178 @@ Sign sign_at(const Frame& frame, const Queue& queue, std::size_t i, Lanes l) {
   return {rho - square, error, (y < 0) | (y > frame.above)};
 }
 
-/// Appends the selected lanes to a queue.
-void append(Queue& queue, unsigned lanes, std::size_t at, const Lanes (&values)[11]) {
-  double* const to[] = {queue.o[0], queue.o[1], queue.o[2], queue.d[0],   queue.d[1], queue.d[2],
-                        queue.p[0], queue.p[1], queue.p[2], queue.centre, queue.delta};
-  for (std::size_t i = 0; i < 11; ++i) store_selected(to[i] + queue.size, lanes, values[i]);
-  for (; lanes != 0; lanes &= lanes - 1)
-    queue.ray[queue.size++] = static_cast<std::uint16_t>(at + static_cast<unsigned>(__builtin_ctz(lanes)));
+/// Two vectors of rays in the frame.
+struct Rays {
+  Lanes o[3], d[3];
+  Lanes centre;
+};
+
+/// Recentres kLanes rays: lengths in the frame's unit, directions by a power of two with 1 <= max |d_i| < 2.
+[[gnu::always_inline]] inline Rays read(const Frame& frame, const TeardropBatch& batch, const double* rays,
+                                        double* back) {
+  Lanes x[6];
+  load_records(rays, x);
+  const Lanes shrink = reciprocal_power(max(abs(x[3]), max(abs(x[4]), abs(x[5]))));
+  store(back, shrink * batch.unit);
+  const double scale = batch.inverse_unit;
+  Rays r{{x[0] * scale, x[1] * scale, x[2] * scale}, {x[3] * shrink, x[4] * shrink, x[5] * shrink}, {}};
+  const Lanes along = fma(r.o[0], r.d[0], fma(r.o[1] - frame.middle, r.d[1], r.o[2] * r.d[2]));
+  r.centre = -along / fma(r.d[0], r.d[0], fma(r.d[1], r.d[1], r.d[2] * r.d[2]));
+  return r;
 }
 
-/// Brings kLanes rays to the frame and against the first majorant; queues those that may hit.
-void cull(const Frame& frame, const TeardropBatch& batch, const Majorant& ellipsoid, const double* rays,
-          std::size_t at, std::size_t count, Block& block, std::int8_t* hits) {
-  const Lanes qx = load_strided(rays + 3, 6), qy = load_strided(rays + 4, 6), qz = load_strided(rays + 5, 6);
-  const Lanes shrink = reciprocal_power(max(abs(qx), max(abs(qy), abs(qz))));
-  const Lanes ox = load_strided(rays, 6) * batch.inverse_unit,
-              oy = load_strided(rays + 1, 6) * batch.inverse_unit,
-              oz = load_strided(rays + 2, 6) * batch.inverse_unit;
-  const Lanes dx = qx * shrink, dy = qy * shrink, dz = qz * shrink;
-  const Lanes along = fma(ox, dx, fma(oy - frame.middle, dy, oz * dz));
-  const Lanes centre = -along / fma(dx, dx, fma(dy, dy, dz * dz));
-  const Line line{fma(centre, dx, ox), fma(centre, dy, oy), fma(centre, dz, oz), dx, dy, dz};
-  const Quadratic q = against(frame, line, ellipsoid);
-  const Mask missed = q.discriminant < -q.error;
+[[gnu::always_inline]] inline Line<Floats> line_of(const Rays& a, const Rays& b) {
+  const auto point = [](const Rays& r, int i) { return fma(r.centre, r.d[i], r.o[i]); };
+  return {narrow(point(a, 0), point(b, 0)), narrow(point(a, 1), point(b, 1)),
+          narrow(point(a, 2), point(b, 2)), narrow(a.d[0], b.d[0]),
+          narrow(a.d[1], b.d[1]),           narrow(a.d[2], b.d[2])};
+}
+
+/// Appends the selected lanes of rays, or of the reversed rays, to a queue.
+template <bool kReversed>
+inline void append(Queue& queue, unsigned lanes, std::size_t at, const Rays& a, const Rays& b,
+                   const Line<Floats>& line, Floats start) {
+  const auto turned = [](auto x) { return kReversed ? -x : x; };
+  const Floats p[] = {line.px, line.py, line.pz}, q[] = {line.dx, line.dy, line.dz};
+  constexpr unsigned kHalf = (1U << kLanes) - 1;
+  const unsigned low = lanes & kHalf, high = lanes >> kLanes;
+  const std::size_t to = queue.size, then = to + static_cast<unsigned>(__builtin_popcount(low));
+  for (std::size_t k = 0; k < 3; ++k) {
+    store_selected(queue.o[k] + to, low, a.o[k]);
+    store_selected(queue.o[k] + then, high, b.o[k]);
+    store_selected(queue.d[k] + to, low, turned(a.d[k]));
+    store_selected(queue.d[k] + then, high, turned(b.d[k]));
+    store_selected(queue.p[k] + to, lanes, p[k]);
+    store_selected(queue.q[k] + to, lanes, turned(q[k]));
+  }
+  store_selected(queue.centre + to, low, turned(a.centre));
+  store_selected(queue.centre + then, high, turned(b.centre));
+  store_selected(queue.start + to, lanes, turned(start));
+  store_selected_numbers(queue.ray + to, lanes, static_cast<std::int32_t>(at));
+  queue.size = to + static_cast<unsigned>(__builtin_popcount(lanes));
+}
+
+/// Rays against the first majorant, in floats: those that may hit are queued.
+void cull(const Frame& frame, const TeardropBatch& batch, const Majorant<Floats>& ellipsoid,
+          const double* rays, std::size_t at, std::size_t count, Block& block) {
+  // What lies behind the origin is proved to, and what is ahead is, by more than the roundings of 40
+  // operations.
+  constexpr float kMargin = 0x1p-16F;
+  const Rays a = read(frame, batch, rays, &block.back[at]);
+  const Rays b = read(frame, batch, rays + 6 * kLanes, &block.back[at + kLanes]);
+  const Line<Floats> line = line_of(a, b);
+  const Quadratic<Floats> q = against(frame, line, ellipsoid);
+  const FloatMask missed = q.discriminant < -q.error;
   // a < 0: entry before exit. The roots from the far side, so that "behind" is certain.
-  const Lanes root = sqrt(max(q.discriminant, Lanes{}) + q.error) + 0x1p-40 * q.size;
-  const Lanes per_a = 1 / q.a;
-  const Lanes in_at = (root - q.b) * per_a, out_at = -(q.b + root) * per_a;
-  const Mask behind = out_at < -centre - 0x1p-40 * abs(centre);
-  const Mask ahead = in_at > -centre;
-  store(&block.back[at], shrink / batch.inverse_unit);
-
-  const unsigned valid = (1U << count) - 1;
-  const unsigned gone = to_bits(missed | behind) & valid;
-  for (std::size_t i = 0; i < count; ++i) hits[i] = (gone >> i & 1U) != 0 ? 0 : kOpen;
-  const unsigned left = valid & ~gone;
-  append(block.entries, left, at, {ox, oy, oz, dx, dy, dz, line.px, line.py, line.pz, centre, in_at});
+  const Floats root = sqrt(max(q.discriminant, Floats{}) + q.error) + kMargin * q.size;
+  const Floats per_a = 1 / q.a;
+  const Floats in_at = (root - q.b) * per_a, out_at = -(q.b + root) * per_a;
+  const Floats centre = narrow(a.centre, b.centre);
+  const FloatMask behind = out_at + kMargin * abs(out_at) < -centre - kMargin * abs(centre);
+  const FloatMask ahead = in_at - kMargin * abs(in_at) > -centre + kMargin * abs(centre);
+  for (std::size_t i = 0; i < 2 * kLanes; i += kLanes) {
+    store(&block.in[at + i], all(kInfinity));
+    store(&block.out[at + i], all(kInfinity));
+  }
+  const unsigned left = ((1U << count) - 1) & ~to_bits(missed | behind);
   const unsigned leaving = batch.both ? left : left & ~to_bits(ahead);
-  if (leaving != 0)
-    append(block.exits, leaving, at,
-           {ox, oy, oz, -dx, -dy, -dz, line.px, line.py, line.pz, -centre, -out_at});
+  append<false>(block.entries, left, at, a, b, line, in_at);
+  if (leaving != 0) append<true>(block.exits, leaving, at, a, b, line, out_at);
 }
 
-Line line_at(const Queue& queue, std::size_t i) {
+Line<Lanes> line_at(const Queue& queue, std::size_t i) {
+  const Lanes centre = load(&queue.centre[i]);
+  const Lanes dx = load(&queue.d[0][i]), dy = load(&queue.d[1][i]), dz = load(&queue.d[2][i]);
+  return {fma(centre, dx, load(&queue.o[0][i])),
+          fma(centre, dy, load(&queue.o[1][i])),
+          fma(centre, dz, load(&queue.o[2][i])),
+          dx,
+          dy,
+          dz};
+}
+Line<Floats> floats_at(const Queue& queue, std::size_t i) {
   return {load(&queue.p[0][i]), load(&queue.p[1][i]), load(&queue.p[2][i]),
-          load(&queue.d[0][i]), load(&queue.d[1][i]), load(&queue.d[2][i])};
+          load(&queue.q[0][i]), load(&queue.q[1][i]), load(&queue.q[2][i])};
 }
 
-/// A majorant step: it proves most of the misses that are left, and never passes the entry.
-void step_by_majorant(const Frame& frame, Queue& queue) {
-  for (std::size_t i = 0; i < queue.size; i += kLanes) {
-    const Line line = line_at(queue, i);
-    const Lanes delta = load(&queue.delta[i]);
-    const Lanes height = fma(delta, line.dy, line.py) * frame.per_height;
-    const Majorant majorant = majorant_at(min(max(height, all(0x1p-20)), all(1 - 0x1p-20)));
-    const Quadratic q = against(frame, line, majorant);
-    const Lanes root = sqrt(max(q.discriminant, Lanes{}));
-    const Mask cancels = q.b > 0;
-    // Of -b + root and -b - root the one without cancellation; the other root of the two by their product.
-    const Lanes sum = select(cancels, -(q.b + root), root - q.b);
-    store(&queue.delta[i], select(cancels, q.c, sum) / select(cancels, sum, q.a));
-    const unsigned missed = to_bits((q.discriminant < -q.error) & (q.a < 0));
-    for (std::size_t k = 0; k < kLanes; ++k)
-      queue.proved[i + k] |= (missed >> k & 1U) != 0 ? kMissed : kNothing;
+/// A majorant step: it proves most of the misses that are left (kInfinity), and never passes the entry.
+template <class V>
+[[gnu::always_inline]] inline V step_by_majorant(const Frame& frame, const Line<V>& line, V delta) {
+  using S = Scalar<V>;
+  constexpr S kEdge = S(0x1p-20);
+  const V height = fma(delta, line.dy, line.py) * static_cast<S>(frame.per_height);
+  const Quadratic<V> q = against(frame, line, majorant_at(min(max(height, all(kEdge)), all(1 - kEdge))));
+  const V root = sqrt(max(q.discriminant, V{}));
+  const auto cancels = q.b > 0;
+  // Of -b + root and -b - root the one without cancellation; the other root of the two by their product.
+  const V sum = select(cancels, -(q.b + root), root - q.b);
+  const V next = select(cancels, q.c, sum) / select(cancels, sum, q.a);
+  return select((q.discriminant < -q.error) & (q.a < 0), all(static_cast<S>(kInfinity)), next);
+}
+
+/// Euler's step: the root of the local parabola, which bends the right way near a double root. A proved miss
+/// stays one.
+template <class V>
+[[gnu::always_inline]] inline V step_by_euler(const Frame& frame, const Line<V>& line, V delta) {
+  using S = Scalar<V>;
+  const Local<V> here = evaluate(frame, line, delta);
+  const V under = max(fma(here.df, here.df, -2 * here.f * (here.ddf_t / here.t)), V{});
+  const V next = delta - 2 * here.f / (here.df + sqrt(under));
+  return select(delta == static_cast<S>(kInfinity), delta, next);
+}
+
+/// Guesses in floats: what is left to double is one step and the proof. A loop for each step, so that the
+/// long chains of neighbours overlap.
+void guess(const Frame& frame, Queue& queue) {
+  for (std::size_t i = 0; i < queue.size; i += 2 * kLanes)
+    store(&queue.guess[i], step_by_majorant(frame, floats_at(queue, i), load(&queue.start[i])));
+  for (std::size_t i = 0; i < queue.size; i += 2 * kLanes)
+    store(&queue.guess[i], step_by_euler(frame, floats_at(queue, i), load(&queue.guess[i])));
+  for (std::size_t i = 0; i < queue.size; i += 2 * kLanes) {
+    const auto [a, b] = widen(step_by_euler(frame, floats_at(queue, i), load(&queue.guess[i])));
+    store(&queue.entry[i], a);
+    store(&queue.entry[i + kLanes], b);
   }
 }
 
-/// Euler's step: the root of the local parabola, which bends the right way near a double root.
-void step_by_euler(const Frame& frame, Queue& queue) {
+/// The same in doubles with more steps, for the few that those do not settle.
+void guess_hard(const Frame& frame, Queue& queue) {
   for (std::size_t i = 0; i < queue.size; i += kLanes) {
-    const Lanes delta = load(&queue.delta[i]);
-    const Local here = evaluate(frame, line_at(queue, i), delta);
-    const Lanes under = max(fma(here.df, here.df, -2 * here.f * here.ddf), Lanes{});
-    const Lanes slope = sqrt(under);
-    store(&queue.delta[i], delta - 2 * here.f / (here.df + slope));
+    const Line<Lanes> line = line_at(queue, i);
+    Lanes delta = load(&queue.entry[i]);
+    for (int step = 0; step < 5; ++step) {
+      const Lanes next = step_by_majorant(frame, line, delta);
+      delta = select(delta == kInfinity, delta, next);
+    }
+    for (int step = 0; step < 4; ++step) delta = step_by_euler(frame, line, delta);
+    store(&queue.entry[i], delta);
+  }
+}
+
+/// Chebyshev's step, of third order: its reciprocals are one division.
+void polish(const Frame& frame, Queue& queue) {
+  for (std::size_t i = 0; i < queue.size; i += kLanes) {
+    const Lanes delta = load(&queue.entry[i]);
+    const Local<Lanes> here = evaluate(frame, line_at(queue, i), delta);
+    const Lanes per_both = 1 / (here.t * here.df);
+    const Lanes ddf = here.ddf_t * (per_both * here.df), per_slope = per_both * here.t;
+    const Lanes newton = here.f * per_slope;
+    const Lanes next = delta - newton * fma(0.5 * newton * ddf, per_slope, all(1.0));
+    store(&queue.entry[i], select(delta == kInfinity, delta, next));
+    store(&queue.per_slope[i], per_slope);
     // Where F bends within the bracket its secant is no polish: those lines are left to the next tier.
-    const Lanes width = 32 * kU * here.size / here.df;
-    store(&queue.width[i], select(64 * abs(here.ddf) * width < here.df, width, all(kInfinity)));
+    const Lanes width = 32 * kU * here.size * per_slope;
+    store(&queue.width[i], select(64 * abs(ddf) * width < here.df, width, all(kInfinity)));
   }
 }
 
 /// The proof: outside before a bracket about the approximation, inside behind it. The solid is convex, so a
-/// line that goes in is met nowhere else going in. Leaves l in delta.
-void certify(const Frame& frame, Queue& queue) {
+/// line that goes in is met nowhere else going in. Leaves l, and the lines that stay open in `open`.
+std::size_t certify(const Frame& frame, Queue& queue, std::int32_t* open) {
+  std::size_t count = 0;
   for (std::size_t i = 0; i < queue.size; i += kLanes) {
-    const Lanes centre = load(&queue.centre[i]);
-    const Lanes l = centre + load(&queue.delta[i]);
+    const Lanes centre = load(&queue.centre[i]), delta = load(&queue.entry[i]);
+    const Lanes l = centre + delta;
     // Wide enough for the bound on F, and for what l itself was rounded by.
     const Lanes width = load(&queue.width[i]) + 4 * kU * (abs(l) + abs(centre));
     const Lanes low = l - width, high = l + width;
@@ -245,110 +355,123 @@ void certify(const Frame& frame, Queue& queue) {
     const Mask inside = ~b.beside & (b.f > b.error);
     // A bracket that holds the origin does not say whether the hit is ahead of it.
     const Mask decided = (low > 0) | (high < 0);
-    // Inside the bracket F is a line to all digits: its secant is the polish.
-    const Lanes better = low + (high - low) * (a.f / (a.f - b.f));
-    store(&queue.delta[i], select((better >= low) & (better <= high), better, l));
-    const unsigned found = to_bits(outside & inside & decided & (low < high));
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      if ((found >> k & 1U) != 0 && queue.proved[i + k] == kNothing) queue.proved[i + k] = kFound;
-    }
+    // Inside the bracket F is a line to all digits that matter: its zero from the values at both ends.
+    const Lanes better = 0.5 * (low + high) - 0.5 * (a.f + b.f) * load(&queue.per_slope[i]);
+    const Lanes entry = select((better >= low) & (better <= high), better, l);
+    const Mask found = outside & inside & decided & (low < high), missed = delta == kInfinity;
+    store(&queue.entry[i], select(missed, delta, select(found, entry, all(kOpen))));
+    for (unsigned left = to_bits(~(found | missed)); left != 0; left &= left - 1)
+      open[count++] = static_cast<std::int32_t>(i) + __builtin_ctz(left);
   }
+  // Those behind the last line are nobody's.
+  while (count > 0 && static_cast<std::size_t>(open[count - 1]) >= queue.size) --count;
+  return count;
 }
 
 /// The lanes behind the last line compute too: on numbers, not on whatever lies there.
+template <std::size_t kParts, class T>
+void pad(T* const (&parts)[kParts], std::size_t size) {
+  for (T* const part : parts) {
+    for (std::size_t i = 0; i < 2 * kLanes; ++i) part[size + i] = 0;
+  }
+}
 void pad(Queue& queue) {
-  double* const parts[] = {queue.o[0], queue.o[1], queue.o[2], queue.d[0],   queue.d[1], queue.d[2],
-                           queue.p[0], queue.p[1], queue.p[2], queue.centre, queue.delta};
-  for (double* const part : parts) store(part + queue.size, Lanes{});
+  pad<8>({queue.o[0], queue.o[1], queue.o[2], queue.d[0], queue.d[1], queue.d[2], queue.centre, queue.entry},
+         queue.size);
+  pad<7>({queue.p[0], queue.p[1], queue.p[2], queue.q[0], queue.q[1], queue.q[2], queue.start}, queue.size);
 }
 
-void look(const Frame& frame, Queue& queue, int majorants, int eulers) {
-  pad(queue);
-  __builtin_memset(queue.proved, kNothing, sizeof queue.proved);
-  for (int step = 0; step < majorants; ++step) step_by_majorant(frame, queue);
-  for (int step = 0; step < eulers; ++step) step_by_euler(frame, queue);
-  certify(frame, queue);
-}
-
-/// Most lines are settled by the fewest steps; the others get a second look, from where the first one began.
+/// Most lines are settled by the fewest steps; the others get a second look.
 void find(const Frame& frame, Queue& queue, Queue& hard) {
   if (queue.size == 0) return;
-  alignas(64) double start[kPadded];
-  __builtin_memcpy(start, queue.delta, sizeof start);
-  look(frame, queue, 1, 3);
-  hard.size = 0;
-  for (std::size_t i = 0; i < queue.size; ++i) {
-    if (queue.proved[i] != kNothing) continue;
-    for (std::size_t k = 0; k < 3; ++k) {
-      hard.o[k][hard.size] = queue.o[k][i];
-      hard.d[k][hard.size] = queue.d[k][i];
-      hard.p[k][hard.size] = queue.p[k][i];
-    }
-    hard.centre[hard.size] = queue.centre[i];
-    hard.delta[hard.size] = start[i];
-    hard.ray[hard.size++] = static_cast<std::uint16_t>(i);
-  }
+  pad(queue);
+  guess(frame, queue);
+  polish(frame, queue);
+  hard.size = certify(frame, queue, hard.ray);
   if (hard.size == 0) return;
-  look(frame, hard, 5, 5);
   for (std::size_t i = 0; i < hard.size; ++i) {
-    queue.proved[hard.ray[i]] = hard.proved[i];
-    queue.delta[hard.ray[i]] = hard.delta[i];
+    const std::size_t from = static_cast<std::size_t>(hard.ray[i]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      hard.o[k][i] = queue.o[k][from];
+      hard.d[k][i] = queue.d[k][from];
+    }
+    hard.centre[i] = queue.centre[from];
+    hard.entry[i] = static_cast<double>(queue.start[from]);
   }
+  pad(hard);
+  guess_hard(frame, hard);
+  polish(frame, hard);
+  std::int32_t still_open[kPadded];
+  certify(frame, hard, still_open);
+  for (std::size_t i = 0; i < hard.size; ++i) queue.entry[hard.ray[i]] = hard.entry[i];
 }
 
-/// From what is proved of the line to what is proved of the ray. `exit`: its index in that queue, if any.
-void conclude(const TeardropBatch& batch, const Block& block, std::size_t entry, std::size_t exit,
-              std::size_t to, const TeardropAnswers& answers) {
-  const bool has_exit = exit < block.exits.size;
-  const std::uint8_t in = block.entries.proved[entry];
-  const std::uint8_t out = has_exit ? block.exits.proved[exit] : in;
-  if (in == kMissed || out == kMissed) {
-    answers.hits[to] = 0;
-    return;
+/// From what is proved of the lines to what is proved of the rays.
+std::size_t conclude(const TeardropBatch& batch, std::size_t size, Block& block, const TeardropAnswers& to) {
+  for (std::size_t i = 0; i < block.entries.size; ++i)
+    block.in[block.entries.ray[i]] = block.entries.entry[i];
+  for (std::size_t i = 0; i < block.exits.size; ++i) block.out[block.exits.ray[i]] = -block.exits.entry[i];
+  const Mask both = all(batch.both ? 1.0 : 0.0) > 0;
+  std::size_t open = 0;
+  for (std::size_t i = 0; i < size; i += kLanes) {
+    const Lanes in = load(&block.in[i]), out = load(&block.out[i]), back = load(&block.back[i]);
+    const Mask missed = (in == kInfinity) | (out == -kInfinity);
+    const Mask ahead = in > 0, gone = out < 0;
+    const Lanes first = select(ahead, in, out) * back, second = out * back;
+    // What leaves the range of double in the caller's units is left open.
+    const Mask first_fits = gone | ((first > 0) & (first < kInfinity));
+    const Mask second_fits = ~both | ~ahead | (second < kInfinity);
+    const Mask known = (in < out) & (ahead | (out < kInfinity)) & first_fits & second_fits;
+    const Lanes some = select(both & ahead, all(2.0), all(1.0));
+    const Lanes count = select(gone, Lanes{}, some);
+    store_bytes(to.hits + i, select(missed, Lanes{}, select(known, count, all(-1.0))));
+    store(to.first + i, first);
+    if (batch.both) store(to.second + i, second);
+    open += static_cast<unsigned>(__builtin_popcount(to_bits(~(missed | known))));
   }
-  if (in != kFound || out != kFound) return;
-  const double from = block.entries.delta[entry];
-  const double until = has_exit ? -block.exits.delta[exit] : kInfinity;
-  if (!(from < until) || (!has_exit && from < 0)) return;
-  // What leaves the range of double in the caller's units is left open.
-  const double back = block.back[block.entries.ray[entry]];
-  const double first = (from > 0 ? from : until) * back, second = until * back;
-  const bool two = batch.both && from > 0;
-  if (until > 0 && !(first > 0 && first < kInfinity)) return;
-  if (two && !(second < kInfinity)) return;
-  answers.hits[to] = until < 0 ? 0 : two ? 2 : 1;
-  answers.first[to] = first;
-  if (two) answers.second[to] = second;
+  return open;
+}
+
+/// The answers of a block that is not whole: what its vectors write behind the last ray stays here.
+std::size_t conclude_last(const TeardropBatch& batch, std::size_t size, Block& block,
+                          const TeardropAnswers& to) {
+  alignas(64) double first[kPadded], second[kPadded];
+  alignas(64) std::int8_t hits[kPadded];
+  conclude(batch, size, block, {hits, first, second});
+  __builtin_memcpy(to.hits, hits, size);
+  __builtin_memcpy(to.first, first, sizeof(double) * size);
+  if (batch.both) __builtin_memcpy(to.second, second, sizeof(double) * size);
+  std::size_t open = 0;
+  for (std::size_t i = 0; i < size; ++i) open += hits[i] < 0 ? 1 : 0;
+  return open;
 }
 
 }  // namespace
 
-void intersect_teardrop(const TeardropBatch& batch, const TeardropAnswers& answers) {
+std::size_t intersect_teardrop(const TeardropBatch& batch, const TeardropAnswers& answers) {
   const Frame frame = frame_of(batch.m);
   // The tangent ellipsoid at v = 0.42, where the body is widest but for 1 %: the fewest lines are left.
-  const Majorant ellipsoid = majorant_at(all(0.42));
+  const Majorant<Floats> ellipsoid = majorant_at(all(0.42F));
+  constexpr std::size_t kStep = 2 * kLanes;
   Block block;
+  std::size_t open = 0;
   for (std::size_t begin = 0; begin < batch.count; begin += kBlock) {
     const std::size_t size = batch.count - begin < kBlock ? batch.count - begin : kBlock;
     block.entries.size = block.exits.size = 0;
     const double* const rays = &batch.rays[begin].o.x;
     std::size_t i = 0;
-    for (; i + kLanes <= size; i += kLanes)
-      cull(frame, batch, ellipsoid, rays + 6 * i, i, kLanes, block, answers.hits + begin + i);
+    for (; i + kStep <= size; i += kStep) cull(frame, batch, ellipsoid, rays + 6 * i, i, kStep, block);
     if (i < size) {
-      double last[6 * kLanes] = {};
+      double last[6 * kStep] = {};
       __builtin_memcpy(last, rays + 6 * i, 6 * sizeof(double) * (size - i));
-      cull(frame, batch, ellipsoid, last, i, size - i, block, answers.hits + begin + i);
+      cull(frame, batch, ellipsoid, last, i, size - i, block);
     }
     find(frame, block.entries, block.hard);
     find(frame, block.exits, block.hard);
-    std::size_t exit = 0;
-    for (std::size_t k = 0; k < block.entries.size; ++k) {
-      const bool leaves = exit < block.exits.size && block.exits.ray[exit] == block.entries.ray[k];
-      conclude(batch, block, k, leaves ? exit : kPadded, begin + block.entries.ray[k], answers);
-      exit += leaves ? 1 : 0;
-    }
+    const TeardropAnswers to{answers.hits + begin, answers.first + begin, answers.second + begin};
+    open += size % kLanes == 0 ? conclude(batch, size, block, to) : conclude_last(batch, size, block, to);
   }
+  return open;
 }
 
 }  // namespace graze::GRAZE_LANES

@@ -13,6 +13,7 @@ struct TeardropBatch {
   const Ray* rays = nullptr;
   std::size_t count = 0;
   double m = 1;
+  double unit = 1;          ///< 2^unit
   double inverse_unit = 1;  ///< 2^-unit
   bool both = false;        ///< all hits wanted; else the first
 };
@@ -25,14 +26,15 @@ struct TeardropAnswers {
   double* second = nullptr;
 };
 
+// Each returns how many rays it leaves open.
 namespace avx512 {
-void intersect_teardrop(const TeardropBatch& batch, const TeardropAnswers& answers);
+std::size_t intersect_teardrop(const TeardropBatch& batch, const TeardropAnswers& answers);
 }
 namespace avx2 {
-void intersect_teardrop(const TeardropBatch& batch, const TeardropAnswers& answers);
+std::size_t intersect_teardrop(const TeardropBatch& batch, const TeardropAnswers& answers);
 }
 namespace baseline {
-void intersect_teardrop(const TeardropBatch& batch, const TeardropAnswers& answers);
+std::size_t intersect_teardrop(const TeardropBatch& batch, const TeardropAnswers& answers);
 }
 
 }  // namespace graze

@@ -1,0 +1,449 @@
+// First and second hits of many rays with the teardrop, proved in double. Compiled once for each instruction
+// set; derivation and error analysis: surfaces/teardrop.md, "Kernel".
+#include <graze/surfaces/teardrop_lanes.hpp>
+
+#include <type_traits>
+
+#include <graze/solvers/math/lanes.hpp>
+
+namespace graze::GRAZE_LANES {
+namespace {
+
+constexpr double kU = 0x1p-53;
+constexpr double kInfinity = __builtin_inf();
+constexpr double kOpen = __builtin_nan("");
+constexpr double kTiny = 0x1p-960;   // far above what underflow can add to a bound, far below what matters
+constexpr std::size_t kBlock = 256;  // about 60 kB of lanes
+constexpr std::size_t kPadded = kBlock + 2 * kLanes;
+
+template <class V>
+using Scalar = std::remove_reference_t<decltype(V{}[0])>;
+/// Half the spacing of the numbers at 1.
+template <class S>
+constexpr S kUnit = sizeof(S) == sizeof(float) ? S(0x1p-24) : S(0x1p-53);
+
+/// The profile in v = y / 6m: R^2 = m^2 rho(v), rho = 9 v g^2, g = 2 - v - sqrt(v).
+struct Frame {
+  double m2;          ///< m^2
+  double per_height;  ///< 1 / 6m
+  double per_height_tail;
+  double nine_m2;  ///< 9 m^2
+  double nine_m2_tail;
+  double above;   ///< no point of the surface is higher
+  double middle;  ///< height near which rays are recentred
+};
+
+Frame frame_of(double m) {
+  const double height = 6 * m, height_tail = __builtin_fma(6, m, -height);
+  const double per_height = 1 / height;
+  const double per_height_tail =
+      (__builtin_fma(-per_height, height, 1) - per_height * height_tail) * per_height;
+  const double m2 = m * m, m2_tail = __builtin_fma(m, m, -m2);
+  const double nine_m2 = 9 * m2;
+  return {m2,
+          per_height,
+          per_height_tail,
+          nine_m2,
+          __builtin_fma(9, m2, -nine_m2) + 9 * m2_tail,
+          height * (1 + 8 * kU),
+          2.52 * m};
+}
+
+/// rho <= r0 + r1 (v - at) + r2 (v - at)^2 on [0, 1]: tangent at `at`, through (1, 0).
+template <class V>
+struct Majorant {
+  V at, r0, r1, r2;
+};
+
+/// rho''' > 0, so the difference to the quadratic has no other zero in [0, 1] than those.
+template <class V>
+Majorant<V> majorant_at(V v) {
+  const V t = sqrt(v);
+  const V g = 2 - v - t;
+  const V turn = 2 - 3 * v - 2 * t;
+  const V w = (2 + t) / (1 + t);
+  return {v, 9 * v * g * g, 9 * g * turn, -9 * w * fma(v, w, turn)};
+}
+
+/// Lines whose entry is looked for, as arrays: an exit is the entry of the reversed line.
+struct Queue {
+  alignas(64) double o[3][kPadded], d[3][kPadded];
+  alignas(64) double centre[kPadded];  ///< l near the closest approach
+  alignas(64) double start[kPadded];   ///< where it enters the first majorant, l - centre
+  alignas(64) double entry[kPadded];   ///< guess, l - centre; at last l, kInfinity for a miss, or kOpen
+  alignas(64) double width[kPadded];   ///< what the last step leaves open
+  alignas(64) double per_slope[kPadded];
+  std::uint16_t ray[kPadded];  ///< of the block
+  std::size_t size = 0;
+};
+
+struct Block {
+  Queue entries, exits, hard;
+  alignas(64) double in[kPadded], out[kPadded];  ///< by ray: as Queue::entry; out = kInfinity: not asked for
+  alignas(64) double back[kPadded];              ///< l of the caller = l here * back
+  alignas(64) double first[kPadded], second[kPadded];
+  alignas(64) std::int8_t hits[kPadded];
+};
+
+template <class V>
+struct Line {
+  V px, py, pz, dx, dy, dz;
+};
+
+/// A line against a majorant: m^2 Q(v(delta)) - |x_xz|^2 = a delta^2 + 2 b delta + c.
+template <class V>
+struct Quadratic {
+  V a, b, c, discriminant;
+  V error;  ///< of the discriminant: what it would have to exceed to be sure
+  V size;   ///< of b, nothing cancelled
+};
+
+/// Fewer than 20 roundings go into each of a, b, c, relative to the sums of their terms' sizes, those of p, d
+/// and the frame included; the majorant's own coefficients are within 8. The discriminant is within 2 * 32 u
+/// of the sizes' b^2 + a c.
+template <class V>
+Quadratic<V> against(const Frame& frame, const Line<V>& x, const Majorant<V>& q) {
+  using S = Scalar<V>;
+  const S per_height = static_cast<S>(frame.per_height), m2 = static_cast<S>(frame.m2);
+  const V v = x.py * per_height;
+  const V k = x.dy * per_height;
+  const V s = v - q.at;
+  const V size_s = abs(v) + q.at;
+  const V square = fma(x.px, x.px, x.pz * x.pz);
+  const V flat = fma(x.dx, x.dx, x.dz * x.dz);
+  const V r1 = abs(q.r1), r2 = abs(q.r2);
+  const V a = m2 * q.r2 * k * k - flat;
+  const V b = m2 * fma(q.r2, s, S(0.5) * q.r1) * k - fma(x.px, x.dx, x.pz * x.dz);
+  const V c = m2 * fma(s, fma(q.r2, s, q.r1), q.r0) - square;
+  const V size_a = m2 * r2 * k * k + flat;
+  const V size_b = m2 * fma(r2, size_s, r1) * abs(k) + fma(abs(x.px), abs(x.dx), abs(x.pz) * abs(x.dz));
+  const V size_c = m2 * fma(size_s, fma(r2, size_s, r1), q.r0 + r1 + r2) + square;
+  return {a, b, c, fma(b, b, -(a * c)), 64 * kUnit<S> * fma(size_b, size_b, size_a * size_c), size_b};
+}
+
+/// F and what it depends on at a height, for steps: no error bound.
+template <class V>
+struct Local {
+  V f, df;
+  V ddf_t;  ///< F'' t
+  V t;
+  V size;  ///< of f's terms, nothing cancelled
+};
+
+template <class V>
+Local<V> evaluate(const Frame& frame, const Line<V>& x, V delta) {
+  using S = Scalar<V>;
+  constexpr S kLeast = S(0x1p-80);  // keeps 1/t a number
+  const S per_height = static_cast<S>(frame.per_height), nine_m2 = static_cast<S>(frame.nine_m2);
+  const V px = fma(delta, x.dx, x.px), py = fma(delta, x.dy, x.py), pz = fma(delta, x.dz, x.pz);
+  const V v = max(py * per_height, all(kLeast));
+  const V k = x.dy * per_height;
+  const V t = sqrt(v);
+  const V g = 2 - v - t;
+  const V turn = 2 - 3 * v - 2 * t;
+  const V slope = nine_m2 * g * turn;
+  const V df = fma(slope, k, -2 * fma(px, x.dx, pz * x.dz));
+  // -F'' t = 9 m^2 (turn^2 / 2 + g (3 t + 1)) k^2 + 2 |d_xz|^2 t: divided by t where it is wanted.
+  const V bend = nine_m2 * fma(S(0.5) * turn, turn, g * fma(t, all(S(3)), all(S(1))));
+  const V minus_ddf_t = fma(bend, k * k, 2 * t * fma(x.dx, x.dx, x.dz * x.dz));
+  return {fma(nine_m2 * v * g, g, -fma(px, px, pz * pz)), df, -minus_ddf_t, t,
+          fma(nine_m2 * v, abs(g) + 16 * kUnit<S>, fma(px, px, pz * pz))};
+}
+
+/// F = R^2 - |x_xz|^2 at the double l of the ray itself, with a bound on its error (surfaces/teardrop.md).
+struct Sign {
+  Lanes f, error;
+  Mask beside;  ///< below the bottom or above the apex: outside whatever F says
+};
+
+Sign sign_at(const Frame& frame, const Queue& queue, std::size_t i, Lanes l) {
+  const Lanes x = fma(l, load(&queue.d[0][i]), load(&queue.o[0][i]));
+  const Lanes y = fma(l, load(&queue.d[1][i]), load(&queue.o[1][i]));
+  const Lanes z = fma(l, load(&queue.d[2][i]), load(&queue.o[2][i]));
+  // v and 9 m^2 v with the tails of their constants: one rounding each beside that of y.
+  const Lanes v = fma(y, all(frame.per_height), y * frame.per_height_tail);
+  const Lanes t = sqrt(max(v, Lanes{}));
+  const Lanes g = 2 - v - t;
+  const Lanes kv = fma(v, all(frame.nine_m2), v * frame.nine_m2_tail);
+  const Lanes rho = kv * g * g;
+  const Lanes square = fma(x, x, z * z);
+  const Lanes size_g = abs(g) + 16 * kU;
+  const Lanes bound =
+      fma(kv * size_g, fma(v, all(3.0), fma(t, all(3.0), all(9.0))), fma(rho, all(7.0), 7 * square));
+  const Lanes error = fma(bound, all(kU), all(kTiny));
+  return {rho - square, error, (y < 0) | (y > frame.above)};
+}
+
+/// Two vectors of rays in the frame.
+struct Rays {
+  Lanes o[3], d[3];
+  Lanes centre;
+};
+
+/// Recentres kLanes rays: lengths in the frame's unit, directions by a power of two with 1 <= max |d_i| < 2.
+Rays read(const Frame& frame, const TeardropBatch& batch, const double* rays, double* back) {
+  const Lanes qx = load_strided(rays + 3, 6), qy = load_strided(rays + 4, 6), qz = load_strided(rays + 5, 6);
+  const Lanes shrink = reciprocal_power(max(abs(qx), max(abs(qy), abs(qz))));
+  store(back, shrink * batch.unit);
+  const double scale = batch.inverse_unit;
+  Rays r{
+      {load_strided(rays, 6) * scale, load_strided(rays + 1, 6) * scale, load_strided(rays + 2, 6) * scale},
+      {qx * shrink, qy * shrink, qz * shrink},
+      {}};
+  const Lanes along = fma(r.o[0], r.d[0], fma(r.o[1] - frame.middle, r.d[1], r.o[2] * r.d[2]));
+  r.centre = -along / fma(r.d[0], r.d[0], fma(r.d[1], r.d[1], r.d[2] * r.d[2]));
+  return r;
+}
+
+Line<Floats> line_of(const Rays& a, const Rays& b) {
+  const auto point = [](const Rays& r, int i) { return fma(r.centre, r.d[i], r.o[i]); };
+  return {narrow(point(a, 0), point(b, 0)), narrow(point(a, 1), point(b, 1)),
+          narrow(point(a, 2), point(b, 2)), narrow(a.d[0], b.d[0]),
+          narrow(a.d[1], b.d[1]),           narrow(a.d[2], b.d[2])};
+}
+
+/// Appends the selected lanes of rays, or of the reversed rays, to a queue.
+void append(Queue& queue, unsigned lanes, std::size_t at, const Rays& rays, Lanes start, double sense) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    store_selected(queue.o[k] + queue.size, lanes, rays.o[k]);
+    store_selected(queue.d[k] + queue.size, lanes, sense * rays.d[k]);
+  }
+  store_selected(queue.centre + queue.size, lanes, sense * rays.centre);
+  store_selected(queue.start + queue.size, lanes, sense * start);
+  for (; lanes != 0; lanes &= lanes - 1)
+    queue.ray[queue.size++] = static_cast<std::uint16_t>(at + static_cast<unsigned>(__builtin_ctz(lanes)));
+}
+
+/// Rays against the first majorant, in floats: those that may hit are queued.
+void cull(const Frame& frame, const TeardropBatch& batch, const Majorant<Floats>& ellipsoid,
+          const double* rays, std::size_t at, std::size_t count, Block& block) {
+  // What lies behind the origin is proved to, and what is ahead is, by more than the roundings of 40
+  // operations.
+  constexpr float kMargin = 0x1p-16F;
+  const Rays a = read(frame, batch, rays, &block.back[at]);
+  const Rays b = read(frame, batch, rays + 6 * kLanes, &block.back[at + kLanes]);
+  const Quadratic<Floats> q = against(frame, line_of(a, b), ellipsoid);
+  const FloatMask missed = q.discriminant < -q.error;
+  // a < 0: entry before exit. The roots from the far side, so that "behind" is certain.
+  const Floats root = sqrt(max(q.discriminant, Floats{}) + q.error) + kMargin * q.size;
+  const Floats per_a = 1 / q.a;
+  const Floats in_at = (root - q.b) * per_a, out_at = -(q.b + root) * per_a;
+  const Floats centre = narrow(a.centre, b.centre);
+  const FloatMask behind = out_at + kMargin * abs(out_at) < -centre - kMargin * abs(centre);
+  const FloatMask ahead = in_at - kMargin * abs(in_at) > -centre + kMargin * abs(centre);
+  for (std::size_t i = 0; i < 2 * kLanes; i += kLanes) {
+    store(&block.in[at + i], all(kInfinity));
+    store(&block.out[at + i], all(kInfinity));
+  }
+  const unsigned left = ((1U << count) - 1) & ~to_bits(missed | behind);
+  const unsigned leaving = batch.both ? left : left & ~to_bits(ahead);
+  constexpr unsigned kHalf = (1U << kLanes) - 1;
+  const auto [in_a, in_b] = widen(in_at);
+  append(block.entries, left & kHalf, at, a, in_a, 1);
+  append(block.entries, left >> kLanes, at + kLanes, b, in_b, 1);
+  if (leaving == 0) return;
+  const auto [out_a, out_b] = widen(out_at);
+  append(block.exits, leaving & kHalf, at, a, out_a, -1);
+  append(block.exits, leaving >> kLanes, at + kLanes, b, out_b, -1);
+}
+
+Line<Lanes> line_at(const Queue& queue, std::size_t i) {
+  const Lanes centre = load(&queue.centre[i]);
+  const Lanes dx = load(&queue.d[0][i]), dy = load(&queue.d[1][i]), dz = load(&queue.d[2][i]);
+  return {fma(centre, dx, load(&queue.o[0][i])),
+          fma(centre, dy, load(&queue.o[1][i])),
+          fma(centre, dz, load(&queue.o[2][i])),
+          dx,
+          dy,
+          dz};
+}
+Line<Floats> lines_at(const Queue& queue, std::size_t i) {
+  const Line<Lanes> a = line_at(queue, i), b = line_at(queue, i + kLanes);
+  return {narrow(a.px, b.px), narrow(a.py, b.py), narrow(a.pz, b.pz),
+          narrow(a.dx, b.dx), narrow(a.dy, b.dy), narrow(a.dz, b.dz)};
+}
+
+/// A majorant step: it proves most of the misses that are left (kInfinity), and never passes the entry.
+template <class V>
+V step_by_majorant(const Frame& frame, const Line<V>& line, V delta) {
+  using S = Scalar<V>;
+  constexpr S kEdge = S(0x1p-20);
+  const V height = fma(delta, line.dy, line.py) * static_cast<S>(frame.per_height);
+  const Quadratic<V> q = against(frame, line, majorant_at(min(max(height, all(kEdge)), all(1 - kEdge))));
+  const V root = sqrt(max(q.discriminant, V{}));
+  const auto cancels = q.b > 0;
+  // Of -b + root and -b - root the one without cancellation; the other root of the two by their product.
+  const V sum = select(cancels, -(q.b + root), root - q.b);
+  const V next = select(cancels, q.c, sum) / select(cancels, sum, q.a);
+  return select((q.discriminant < -q.error) & (q.a < 0), all(static_cast<S>(kInfinity)), next);
+}
+
+/// Euler's step: the root of the local parabola, which bends the right way near a double root. A proved miss
+/// stays one.
+template <class V>
+V step_by_euler(const Frame& frame, const Line<V>& line, V delta) {
+  using S = Scalar<V>;
+  const Local<V> here = evaluate(frame, line, delta);
+  const V under = max(fma(here.df, here.df, -2 * here.f * (here.ddf_t / here.t)), V{});
+  const V next = delta - 2 * here.f / (here.df + sqrt(under));
+  return select(delta == static_cast<S>(kInfinity), delta, next);
+}
+
+/// Guesses in floats: what is left to double is one step and the proof.
+void guess(const Frame& frame, Queue& queue) {
+  for (std::size_t i = 0; i < queue.size; i += 2 * kLanes) {
+    const Line<Floats> line = lines_at(queue, i);
+    Floats delta = narrow(load(&queue.start[i]), load(&queue.start[i + kLanes]));
+    delta = step_by_majorant(frame, line, delta);
+    for (int step = 0; step < 2; ++step) delta = step_by_euler(frame, line, delta);
+    const auto [a, b] = widen(delta);
+    store(&queue.entry[i], a);
+    store(&queue.entry[i + kLanes], b);
+  }
+}
+
+/// The same in doubles with more steps, for the few that those do not settle.
+void guess_hard(const Frame& frame, Queue& queue) {
+  for (std::size_t i = 0; i < queue.size; i += kLanes) {
+    const Line<Lanes> line = line_at(queue, i);
+    Lanes delta = load(&queue.start[i]);
+    for (int step = 0; step < 5; ++step) {
+      const Lanes next = step_by_majorant(frame, line, delta);
+      delta = select(delta == kInfinity, delta, next);
+    }
+    for (int step = 0; step < 4; ++step) delta = step_by_euler(frame, line, delta);
+    store(&queue.entry[i], delta);
+  }
+}
+
+/// Chebyshev's step, of third order: its reciprocals are one division.
+void polish(const Frame& frame, Queue& queue) {
+  for (std::size_t i = 0; i < queue.size; i += kLanes) {
+    const Lanes delta = load(&queue.entry[i]);
+    const Local<Lanes> here = evaluate(frame, line_at(queue, i), delta);
+    const Lanes per_both = 1 / (here.t * here.df);
+    const Lanes ddf = here.ddf_t * (per_both * here.df), per_slope = per_both * here.t;
+    const Lanes newton = here.f * per_slope;
+    const Lanes next = delta - newton * fma(0.5 * newton * ddf, per_slope, all(1.0));
+    store(&queue.entry[i], select(delta == kInfinity, delta, next));
+    store(&queue.per_slope[i], per_slope);
+    // Where F bends within the bracket its secant is no polish: those lines are left to the next tier.
+    const Lanes width = 32 * kU * here.size * per_slope;
+    store(&queue.width[i], select(64 * abs(ddf) * width < here.df, width, all(kInfinity)));
+  }
+}
+
+/// The proof: outside before a bracket about the approximation, inside behind it. The solid is convex, so a
+/// line that goes in is met nowhere else going in. Leaves l.
+void certify(const Frame& frame, Queue& queue) {
+  for (std::size_t i = 0; i < queue.size; i += kLanes) {
+    const Lanes centre = load(&queue.centre[i]), delta = load(&queue.entry[i]);
+    const Lanes l = centre + delta;
+    // Wide enough for the bound on F, and for what l itself was rounded by.
+    const Lanes width = load(&queue.width[i]) + 4 * kU * (abs(l) + abs(centre));
+    const Lanes low = l - width, high = l + width;
+    const Sign a = sign_at(frame, queue, i, low);
+    const Sign b = sign_at(frame, queue, i, high);
+    const Mask outside = a.f < -a.error;
+    const Mask inside = ~b.beside & (b.f > b.error);
+    // A bracket that holds the origin does not say whether the hit is ahead of it.
+    const Mask decided = (low > 0) | (high < 0);
+    // Inside the bracket F is a line to all digits that matter: its zero from the values at both ends.
+    const Lanes better = 0.5 * (low + high) - 0.5 * (a.f + b.f) * load(&queue.per_slope[i]);
+    const Lanes entry = select((better >= low) & (better <= high), better, l);
+    const Lanes found = select(outside & inside & decided & (low < high), entry, all(kOpen));
+    store(&queue.entry[i], select(delta == kInfinity, delta, found));
+  }
+}
+
+/// The lanes behind the last line compute too: on numbers, not on whatever lies there.
+void pad(Queue& queue) {
+  double* const parts[] = {queue.o[0], queue.o[1], queue.o[2],   queue.d[0],
+                           queue.d[1], queue.d[2], queue.centre, queue.start};
+  for (double* const part : parts) {
+    for (std::size_t i = 0; i < 2 * kLanes; i += kLanes) store(part + queue.size + i, Lanes{});
+  }
+}
+
+/// Most lines are settled by the fewest steps; the others get a second look.
+void find(const Frame& frame, Queue& queue, Queue& hard) {
+  if (queue.size == 0) return;
+  pad(queue);
+  guess(frame, queue);
+  polish(frame, queue);
+  certify(frame, queue);
+  hard.size = 0;
+  for (std::size_t i = 0; i < queue.size; ++i) {
+    hard.ray[hard.size] = static_cast<std::uint16_t>(i);
+    hard.size += queue.entry[i] == queue.entry[i] ? 0 : 1;
+  }
+  n_entries+=queue.size; n_hard+=hard.size;
+  if (hard.size == 0) return;
+  for (std::size_t i = 0; i < hard.size; ++i) {
+    const std::size_t from = hard.ray[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      hard.o[k][i] = queue.o[k][from];
+      hard.d[k][i] = queue.d[k][from];
+    }
+    hard.centre[i] = queue.centre[from];
+    hard.start[i] = queue.start[from];
+  }
+  pad(hard);
+  guess_hard(frame, hard);
+  polish(frame, hard);
+  certify(frame, hard);
+  for (std::size_t i = 0; i < hard.size; ++i) queue.entry[hard.ray[i]] = hard.entry[i];
+}
+
+/// From what is proved of the lines to what is proved of the rays.
+void conclude(const TeardropBatch& batch, std::size_t size, Block& block) {
+  for (std::size_t i = 0; i < block.entries.size; ++i)
+    block.in[block.entries.ray[i]] = block.entries.entry[i];
+  for (std::size_t i = 0; i < block.exits.size; ++i) block.out[block.exits.ray[i]] = -block.exits.entry[i];
+  const Mask both = all(batch.both ? 1.0 : 0.0) > 0;
+  for (std::size_t i = 0; i < size; i += kLanes) {
+    const Lanes in = load(&block.in[i]), out = load(&block.out[i]), back = load(&block.back[i]);
+    const Mask missed = (in == kInfinity) | (out == -kInfinity);
+    const Mask ahead = in > 0, gone = out < 0;
+    const Lanes first = select(ahead, in, out) * back, second = out * back;
+    // What leaves the range of double in the caller's units is left open.
+    const Mask first_fits = gone | ((first > 0) & (first < kInfinity));
+    const Mask second_fits = ~both | ~ahead | (second < kInfinity);
+    const Mask known = (in < out) & (ahead | (out < kInfinity)) & first_fits & second_fits;
+    const Lanes some = select(both & ahead, all(2.0), all(1.0));
+    const Lanes count = select(gone, Lanes{}, some);
+    store_bytes(&block.hits[i], select(missed, Lanes{}, select(known, count, all(-1.0))));
+    store(&block.first[i], first);
+    store(&block.second[i], second);
+  }
+}
+
+}  // namespace
+
+void intersect_teardrop(const TeardropBatch& batch, const TeardropAnswers& answers) {
+  const Frame frame = frame_of(batch.m);
+  // The tangent ellipsoid at v = 0.42, where the body is widest but for 1 %: the fewest lines are left.
+  const Majorant<Floats> ellipsoid = majorant_at(all(0.42F));
+  constexpr std::size_t kStep = 2 * kLanes;
+  Block block;
+  for (std::size_t begin = 0; begin < batch.count; begin += kBlock) {
+    const std::size_t size = batch.count - begin < kBlock ? batch.count - begin : kBlock;
+    block.entries.size = block.exits.size = 0;
+    const double* const rays = &batch.rays[begin].o.x;
+    std::size_t i = 0;
+    for (; i + kStep <= size; i += kStep) cull(frame, batch, ellipsoid, rays + 6 * i, i, kStep, block);
+    if (i < size) {
+      double last[6 * kStep] = {};
+      __builtin_memcpy(last, rays + 6 * i, 6 * sizeof(double) * (size - i));
+      cull(frame, batch, ellipsoid, last, i, size - i, block);
+    }
+    find(frame, block.entries, block.hard);
+    find(frame, block.exits, block.hard);
+    conclude(batch, size, block);
+    __builtin_memcpy(answers.hits + begin, block.hits, size);
+    __builtin_memcpy(answers.first + begin, block.first, sizeof(double) * size);
+    if (batch.both) __builtin_memcpy(answers.second + begin, block.second, sizeof(double) * size);
+  }
+}
+
+}  // namespace graze::GRAZE_LANES
