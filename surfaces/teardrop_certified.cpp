@@ -6,11 +6,15 @@
 
 #include <graze/solvers/certified.hpp>
 #include <graze/surfaces/teardrop_double_double.hpp>
+#include <graze/surfaces/teardrop_exact.hpp>
 
 namespace graze {
 
 TeardropCertified::TeardropCertified(const Teardrop& surface, const Parameters& options)
-    : m_(surface.profile.m), unit_(surface.unit()), set_(Certified::instruction_set(options)) {
+    : size_(surface.size()),
+      m_(surface.profile.m),
+      unit_(surface.unit()),
+      set_(Certified::instruction_set(options)) {
   inverse_unit_ = unit_ > -1022 && unit_ < 1022 ? power_of_two(-unit_) : 0;
 }
 
@@ -23,7 +27,8 @@ void TeardropCertified::intersect(std::span<const Ray> rays, bool all, KernelAns
   }
   if (run_lanes({rays.data(), rays.size(), m_, 1 / inverse_unit_, inverse_unit_, all}, to) == 0) return;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (to.hits[i] == KernelAnswers::kOpen && is_valid(rays[i])) look_again(rays[i], all, answers, first + i);
+    if (to.hits[i] != KernelAnswers::kOpen || !is_valid(rays[i])) continue;
+    if (!look_again(rays[i], all, answers, first + i)) decide(rays[i], all, answers, first + i);
   }
 }
 
@@ -35,28 +40,57 @@ std::size_t TeardropCertified::run_lanes(const TeardropBatch& batch, const Teard
   return baseline::intersect_teardrop(batch, to);
 }
 
+/// Hits of one ray on their way into the answers: open where one leaves the range of double.
+class HitsOfRay {
+ public:
+  HitsOfRay(KernelAnswers& answers, std::size_t at) : answers_(answers), at_(at) {}
+
+  bool add(double l, std::uint32_t multiplicity) {
+    if (!(l > 0 && std::isfinite(l))) return false;
+    // Two crossings are two hits, also where both round to one double.
+    if (count_ > 0 && l <= answers_.l[count_ - 1][at_])
+      l = std::nextafter(answers_.l[count_ - 1][at_], std::numeric_limits<double>::infinity());
+    if (multiplicity == 2) answers_.touching[at_] |= static_cast<std::uint8_t>(1U << count_);
+    answers_.l[count_++][at_] = l;
+    return true;
+  }
+  void close(std::uint8_t tier) {
+    answers_.hits[at_] = static_cast<std::int8_t>(count_);
+    answers_.tier[at_] = tier;
+  }
+
+ private:
+  KernelAnswers& answers_;
+  std::size_t at_;
+  std::size_t count_ = 0;
+};
+
 /// The middle tier: what double-doubles prove of the line, as hits ahead of the origin.
-void TeardropCertified::look_again(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const {
+bool TeardropCertified::look_again(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const {
   const LocalRay local = to_unit(ray, unit_);
   const LineAnswer line = prove_line({local.o, local.d}, m_, !all);
-  if (line.proved == LineAnswer::Proved::open) return;
-  answers.tier[at] = 2;
-  std::size_t hits = 0;
+  if (line.proved == LineAnswer::Proved::open) return false;
+  HitsOfRay hits(answers, at);
   if (line.proved == LineAnswer::Proved::crosses) {
     for (const LineCrossing& crossing : {line.entry, line.exit}) {
       if ((crossing.hi + line.centre).hi < 0) continue;
-      if (!((crossing.lo + line.centre).hi > 0)) return;  // at the origin, on one side or the other: open
-      const double l = scale_by_power((crossing.delta + line.centre).hi, local.l_exponent);
-      if (!(l > 0 && std::isfinite(l))) return;  // beyond the range of double: open
-      double& next = answers.l[hits][at];
-      // Two crossings are two hits, also where both round to one double.
-      next =
-          hits > 0 && l == answers.l[0][at] ? std::nextafter(l, std::numeric_limits<double>::infinity()) : l;
-      ++hits;
+      if (!((crossing.lo + line.centre).hi > 0)) return false;  // at the origin, on one side or the other
+      if (!hits.add(scale_by_power((crossing.delta + line.centre).hi, local.l_exponent), 1)) return false;
       if (!all) break;
     }
   }
-  answers.hits[at] = static_cast<std::int8_t>(hits);
+  hits.close(2);
+  return true;
+}
+
+/// The last tier: every ray has an answer; only an l out of the range of double is left open.
+void TeardropCertified::decide(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const {
+  HitsOfRay hits(answers, at);
+  for (ExactHit& hit : exact_teardrop_hits(ray, size_)) {
+    if (!hits.add(hit.l.to_double(), hit.multiplicity)) return;
+    if (!all) break;
+  }
+  hits.close(3);
 }
 
 }  // namespace graze

@@ -30,8 +30,10 @@ class TeardropCertified {
 
  private:
   std::size_t run_lanes(const TeardropBatch& batch, const TeardropAnswers& to) const;
-  void look_again(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const;
+  bool look_again(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const;
+  void decide(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const;
 
+  double size_;  ///< s
   double m_;
   int unit_;
   double inverse_unit_;  ///< 2^-unit; 0 where it is no normal number, and rays are left open

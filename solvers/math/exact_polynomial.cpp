@@ -409,6 +409,13 @@ int ExactPolynomial::sign_at(const Dyadic& x) const {
   return value_at(x).sign();
 }
 
+ExactPolynomial operator+(const ExactPolynomial& p, const ExactPolynomial& q) {
+  Coefficients c = p.c_;
+  c.resize(std::max(p.c_.size(), q.c_.size()));
+  for (std::size_t i = 0; i < q.c_.size(); ++i) c[i] += q.c_[i];
+  return ExactPolynomial(std::move(c));
+}
+
 ExactPolynomial operator-(const ExactPolynomial& p, const ExactPolynomial& q) {
   Coefficients c = p.c_;
   c.resize(std::max(p.c_.size(), q.c_.size()));

@@ -65,6 +65,7 @@ class ExactPolynomial {
   /// -1, 0 or 1.
   [[nodiscard]] int sign_at(const Dyadic& x) const;
 
+  friend ExactPolynomial operator+(const ExactPolynomial& p, const ExactPolynomial& q);
   friend ExactPolynomial operator-(const ExactPolynomial& p, const ExactPolynomial& q);
   friend ExactPolynomial operator*(const ExactPolynomial& p, const ExactPolynomial& q);
   friend ExactPolynomial operator*(const ExactPolynomial& p, const BigInteger& factor);

@@ -1,0 +1,79 @@
+// The teardrop's last tier: what no rounded arithmetic can tell apart.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include <graze/experiments/cases.hpp>
+#include <graze/experiments/truth.hpp>
+#include <graze/surfaces/teardrop_exact.hpp>
+#include <surfaces/cells.hpp>
+
+namespace graze::test {
+namespace {
+
+struct Expected {
+  double l;
+  std::uint32_t multiplicity;
+};
+
+void expect(const Ray& ray, const std::vector<Expected>& expected) {
+  std::vector<ExactHit> hits = exact_teardrop_hits(ray, 1);
+  ASSERT_EQ(hits.size(), expected.size()) << ray.o.x << " " << ray.d.x;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    EXPECT_EQ(hits[i].l.to_double(), expected[i].l);
+    EXPECT_EQ(hits[i].multiplicity, expected[i].multiplicity);
+  }
+}
+
+TEST(TeardropExact, WorkedRays) {
+  // y = 1.5 is t = 1/2, R = 15/8.
+  expect({{-5, 1.5, 0}, {1, 0, 0}}, {{5 - 1.875, 1}, {5 + 1.875, 1}});
+  expect({{1.875, 1.5, -5}, {0, 0, 1}}, {{5, 2}});
+  expect({{std::nextafter(1.875, 2), 1.5, -5}, {0, 0, 1}}, {});
+  EXPECT_EQ(exact_teardrop_hits({{std::nextafter(1.875, 0), 1.5, -5}, {0, 0, 1}}, 1).size(), 2U);
+}
+
+TEST(TeardropExact, AHitAtTheOriginOfTheRayIsNone) {
+  expect({{-1.875, 1.5, 0}, {1, 0, 0}}, {{3.75, 1}});
+  expect({{1.875, 1.5, 0}, {1, 0, 0}}, {});
+  expect({{1.875, 1.5, 0}, {0, 0, 1}}, {});
+}
+
+TEST(TeardropExact, PolesCountOnceWhereTheLinePassesInsideAndAsATouchElsewhere) {
+  expect({{0, -1, 0}, {0, 1, 0}}, {{1, 1}, {7, 1}});
+  expect({{-3, 0, 0}, {1, 0, 0}}, {{3, 2}});
+  expect({{-4, 6, 0}, {1, 0, 0}}, {{4, 2}});
+  // Through the apex: steeper than the cone (slope 4/3) inside, along it or flatter a touch.
+  EXPECT_EQ(exact_teardrop_hits({{-1, 8, 0}, {1, -2, 0}}, 1).size(), 2U);
+  expect({{-3, 10, 0}, {3, -4, 0}}, {{1, 2}});
+  expect({{-1, 7, 0}, {1, -1, 0}}, {{1, 2}});
+}
+
+TEST(TeardropExact, MirroredSheetsAreNoHits) {
+  expect({{0, 7, 0}, {0, 1, 0}}, {});
+  expect({{-5, 12, 0}, {1, 0, 0}}, {});
+  expect({{-5, -1, 0}, {1, 0, 0}}, {});
+}
+
+// The truth engine has its own integers, its own polynomials and its own isolation.
+TEST(TeardropExact, AgreesWithTheTruthOnEveryFamily) {
+  const SurfaceSpec spec = teardrop(1.7);
+  const auto surface = find_surface("teardrop").make(spec);
+  const auto truth = truth::make_surface(spec);
+  const std::size_t count = kSanitized ? 8 : 64;
+  for (const CaseFamily& family : case_families()) {
+    if (!family.suits(surface->landmarks()) || family.name == "scale") continue;
+    for (const CaseRay& ray : make_block(family, *surface, 20261122, 0, count)) {
+      const truth::Answer answer = truth->all(ray.ray, {.digits = 17});
+      std::vector<ExactHit> hits = exact_teardrop_hits(ray.ray, 1.7);
+      ASSERT_EQ(hits.size(), answer.hits.size()) << family.name;
+      for (std::size_t i = 0; i < hits.size(); ++i) {
+        EXPECT_EQ(hits[i].l.to_double(), answer.hits[i].l.head) << family.name;
+        EXPECT_EQ(hits[i].multiplicity, answer.hits[i].multiplicity) << family.name;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace graze::test
