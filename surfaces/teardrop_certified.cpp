@@ -3,12 +3,50 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <graze/solvers/certified.hpp>
 #include <graze/surfaces/teardrop_double_double.hpp>
 #include <graze/surfaces/teardrop_exact.hpp>
 
 namespace graze {
+namespace {
+
+/// Hits of one ray on their way into the answers: open where one leaves the range of double.
+class HitsOfRay {
+ public:
+  HitsOfRay(KernelAnswers& answers, std::size_t at) : answers_(answers), at_(at) {}
+
+  bool add(double l, std::uint32_t multiplicity) {
+    if (!(l > 0 && std::isfinite(l))) return false;
+    // Two crossings are two hits, also where both round to one double.
+    if (count_ > 0 && l <= answers_.l[count_ - 1][at_])
+      l = std::nextafter(answers_.l[count_ - 1][at_], std::numeric_limits<double>::infinity());
+    if (multiplicity == 2) answers_.touching[at_] |= static_cast<std::uint8_t>(1U << count_);
+    answers_.l[count_++][at_] = l;
+    return true;
+  }
+  void close(std::uint8_t tier) {
+    answers_.hits[at_] = static_cast<std::int8_t>(count_);
+    answers_.tier[at_] = tier;
+  }
+
+ private:
+  KernelAnswers& answers_;
+  std::size_t at_;
+  std::size_t count_ = 0;
+};
+
+/// Whether the crossing lies ahead of the ray's origin; nothing where that is not known. A bracket that holds
+/// the origin is narrower than any digit of l that counts: the side of the origin decides.
+std::optional<bool> is_ahead(const LineAnswer& line, const LineCrossing& crossing, bool enters) {
+  if ((crossing.hi + line.centre).hi < 0) return false;
+  if ((crossing.lo + line.centre).hi > 0) return true;
+  if (line.origin == LineAnswer::Origin::on) return std::nullopt;
+  return (line.origin == LineAnswer::Origin::outside) == enters;
+}
+
+}  // namespace
 
 TeardropCertified::TeardropCertified(const Teardrop& surface, const Parameters& options)
     : size_(surface.size()),
@@ -40,44 +78,22 @@ std::size_t TeardropCertified::run_lanes(const TeardropBatch& batch, const Teard
   return baseline::intersect_teardrop(batch, to);
 }
 
-/// Hits of one ray on their way into the answers: open where one leaves the range of double.
-class HitsOfRay {
- public:
-  HitsOfRay(KernelAnswers& answers, std::size_t at) : answers_(answers), at_(at) {}
-
-  bool add(double l, std::uint32_t multiplicity) {
-    if (!(l > 0 && std::isfinite(l))) return false;
-    // Two crossings are two hits, also where both round to one double.
-    if (count_ > 0 && l <= answers_.l[count_ - 1][at_])
-      l = std::nextafter(answers_.l[count_ - 1][at_], std::numeric_limits<double>::infinity());
-    if (multiplicity == 2) answers_.touching[at_] |= static_cast<std::uint8_t>(1U << count_);
-    answers_.l[count_++][at_] = l;
-    return true;
-  }
-  void close(std::uint8_t tier) {
-    answers_.hits[at_] = static_cast<std::int8_t>(count_);
-    answers_.tier[at_] = tier;
-  }
-
- private:
-  KernelAnswers& answers_;
-  std::size_t at_;
-  std::size_t count_ = 0;
-};
-
 /// The middle tier: what double-doubles prove of the line, as hits ahead of the origin.
 bool TeardropCertified::look_again(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const {
   const LocalRay local = to_unit(ray, unit_);
   const LineAnswer line = prove_line({local.o, local.d}, m_, !all);
   if (line.proved == LineAnswer::Proved::open) return false;
   HitsOfRay hits(answers, at);
-  if (line.proved == LineAnswer::Proved::crosses) {
-    for (const LineCrossing& crossing : {line.entry, line.exit}) {
-      if ((crossing.hi + line.centre).hi < 0) continue;
-      if (!((crossing.lo + line.centre).hi > 0)) return false;  // at the origin, on one side or the other
-      if (!hits.add(scale_by_power((crossing.delta + line.centre).hi, local.l_exponent), 1)) return false;
-      if (!all) break;
-    }
+  for (const bool enters : {true, false}) {
+    if (line.proved == LineAnswer::Proved::misses) break;
+    const LineCrossing& crossing = enters ? line.entry : line.exit;
+    const std::optional<bool> ahead = is_ahead(line, crossing, enters);
+    if (!ahead) return false;
+    if (!*ahead) continue;
+    const double l = (crossing.delta + line.centre).hi;
+    const double positive = l > 0 ? l : (crossing.hi + line.centre).hi;
+    if (!hits.add(scale_by_power(positive, local.l_exponent), 1)) return false;
+    if (!all) break;
   }
   hits.close(2);
   return true;

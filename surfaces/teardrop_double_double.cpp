@@ -13,6 +13,7 @@ constexpr double kU2 = 0x1p-106;    // u^2
 constexpr double kTiny = 0x1p-800;  // above what underflow can add to a bound, far below what matters
 
 using Proved = LineAnswer::Proved;
+using Origin = LineAnswer::Origin;
 
 /// F = R^2 - |x_xz|^2 at a point of the line, with a bound on its error.
 struct Value {
@@ -31,7 +32,8 @@ struct Slopes {
 
 class Line {
  public:
-  Line(const Ray& ray, double m) : d_(ray.d), m_(m), six_m_(two_prod(6, m)), nine_m2_(9 * two_prod(m, m)) {
+  Line(const Ray& ray, double m)
+      : o_(ray.o), d_(ray.d), m_(m), six_m_(two_prod(6, m)), nine_m2_(9 * two_prod(m, m)) {
     // Any double near the closest approach to the widest circle's centre will do.
     const double dd = dot(d_, d_);
     centre_ = (d_.x * -ray.o.x + d_.y * (2.52 * m - ray.o.y) + d_.z * -ray.o.z) / dd;
@@ -49,8 +51,16 @@ class Line {
   /// is within 160 of itself plus |d rho / dy| times the error of y.
   [[nodiscard]] Value value(const DoubleDouble& delta) const {
     const DoubleDouble x = p_[0] + delta * d_.x, y = p_[1] + delta * d_.y, z = p_[2] + delta * d_.z;
-    const double ex = error_of(p_[0], delta, d_.x, x), ey = error_of(p_[1], delta, d_.y, y),
-                 ez = error_of(p_[2], delta, d_.z, z);
+    return value_at({x, y, z}, {error_of(p_[0], delta, d_.x, x), error_of(p_[1], delta, d_.y, y),
+                                error_of(p_[2], delta, d_.z, z)});
+  }
+  /// At l = 0: no error of the point itself.
+  [[nodiscard]] Value value_at_origin() const { return value_at({o_.x, o_.y, o_.z}, {}); }
+
+  /// `e`: of x, y, z.
+  [[nodiscard]] Value value_at(const std::array<DoubleDouble, 3>& point, Vec3 e) const {
+    const auto& [x, y, z] = point;
+    const auto [ex, ey, ez] = e;
     const DoubleDouble below = six_m_ - y;
     Value result;
     result.is_beside = y.hi < -ey || below.hi < -2 * ey - 4 * kU2 * six_m_.hi;
@@ -123,7 +133,7 @@ class Line {
     const DoubleDouble rise = (2 - t * (2 + 3 * t)) / (4 * t) * d_.y;
     const DoubleDouble spread = (x * d_.x + z * d_.z) / rho;
     const double size = 2 * std::fabs(d_.y) / t.hi + 4;
-    const double moved = 64 * kU2 * (std::fabs(delta.hi) * 2 + reach() + 16);  // of a coordinate
+    const double moved = coordinate_error(delta);
     const double bend = d_.y * d_.y / (t.hi * t.hi * t.hi) + 8 / rho.hi;
     return {rise - spread, 1024 * kU2 * size + moved * bend};
   }
@@ -135,7 +145,6 @@ class Line {
     if (d_.y == 0 || !(std::fabs(a) < kFar && std::fabs(b) < kFar)) return {-kFar, kFar};
     return {std::min(a, b), std::max(a, b)};
   }
-  [[nodiscard]] bool runs_up() const { return d_.y > 0; }
   /// Of p from the axis and the bottom, a coordinate.
   [[nodiscard]] double reach() const {
     return std::max({std::fabs(p_[0].hi), std::fabs(p_[1].hi), std::fabs(p_[2].hi)});
@@ -146,19 +155,42 @@ class Line {
   [[nodiscard]] double distance_from_origin(const DoubleDouble& delta) const {
     return std::hypot(p_[0].hi + delta.hi * d_.x, p_[1].hi + delta.hi * d_.y, p_[2].hi + delta.hi * d_.z);
   }
-  /// G' where the line passes the apex's plane.
-  [[nodiscard]] double slope_at_top(double delta) const {
-    const double x = p_[0].hi + delta * d_.x, z = p_[2].hi + delta * d_.z;
-    return -0.75 * d_.y - (x * d_.x + z * d_.z) / std::hypot(x, z);
+  /// Where a line that is not level passes the apex's plane, and how |x_xz|^2 - (9/16) d_y^2 e^2 =
+  /// w + 2 b e + a e^2 goes on into the slab. `error`: of x and z there.
+  struct Top {
+    DoubleDouble delta;
+    bool runs_up = false;
+    Vec3 xz;
+    double error = 0;
+    DoubleDouble w, b, a;
+  };
+  [[nodiscard]] Top at_top() const {
+    const DoubleDouble delta = (six_m_ - p_[1]) / d_.y;
+    const DoubleDouble x = p_[0] + delta * d_.x, z = p_[2] + delta * d_.z;
+    const DoubleDouble flat = two_prod(d_.x, d_.x) + two_prod(d_.z, d_.z);
+    const DoubleDouble outward = x * d_.x + z * d_.z;
+    return {delta,
+            d_.y > 0,
+            {x.hi, 0, z.hi},
+            coordinate_error(delta),
+            sqr(x) + sqr(z),
+            d_.y > 0 ? -outward : outward,
+            flat - 0.5625 * two_prod(d_.y, d_.y)};
   }
+  [[nodiscard]] double rise() const { return d_.y; }
+  [[nodiscard]] bool is_level() const { return d_.y == 0; }
 
  private:
+  /// Of a coordinate at delta, with room for an error of 16 u^2 |delta| of delta itself.
+  [[nodiscard]] double coordinate_error(const DoubleDouble& delta) const {
+    return 64 * kU2 * (std::fabs(delta.hi) * 2 + reach() + 16);
+  }
   static double error_of(const DoubleDouble& p, const DoubleDouble& delta, double d,
                          const DoubleDouble& sum) {
     return kU2 * (3 * std::fabs(p.hi) + 3 * std::fabs(delta.hi * d) + 4 * std::fabs(sum.hi));
   }
 
-  Vec3 d_;
+  Vec3 o_, d_;
   double m_;
   DoubleDouble six_m_, nine_m2_;
   double centre_ = 0;
@@ -205,18 +237,60 @@ bool misses(const Line& line, const DoubleDouble& at, const Value& value, double
   return below > 1.01 * (std::fabs(slope.value.hi) + slope.error) * way;
 }
 
-/// The plane of the apex cuts the slab where G' still points out of it: everything below is less deep than
-/// the point there, which is off the axis.
-bool misses_above(const Line& line, double m) {
-  const auto [lo, hi] = line.slab();
-  const double top = line.runs_up() ? hi : lo;
-  const double outward = line.runs_up() ? 1 : -1;
-  // At the apex's plane R = 0 and R' = -3/4: G = -rho, G' = -3/4 d_y - rho'.
-  const DoubleDouble at = top;
-  const double rho = line.distance_from_axis(at);
-  if (!(rho > 0x1p-40 * m)) return false;
-  return outward * line.slope_at_top(top) > 0x1p-40 * (1 + std::fabs(top) + line.reach()) / rho;
-}
+/// The line beside the apex, in the distance e from the apex's plane into the slab: with h = |d_y| e the
+/// body's R^2 is between (9/16) h^2 (1 - h/4m) and (9/16) h^2 for h < m, so where q(e) = |x_xz|^2 - (9/16)
+/// d_y^2 e^2 = w + 2 b e + a e^2 is positive the line is outside, and where it is below -(9/64) |d_y e|^3 / m
+/// inside.
+class Tip {
+ public:
+  Tip(const Line& line, double m)
+      : top_(line.at_top()), cubic_(0.15 * std::pow(std::fabs(line.rise()), 3) / m) {
+    // Products of numbers within top_.error, and at most 16 roundings in double-double.
+    const double size = norm(top_.xz) + top_.error;
+    e_w_ = 4 * size * top_.error + 16 * kU2 * size * size;
+    e_b_ = 8 * top_.error + 64 * kU2 * size;
+    is_flatter_ = !line.is_level() && top_.a.hi > 0x1p-60 && top_.w.hi > 4 * e_w_;
+  }
+
+  /// Lines that are flatter than the cone and have no e > 0 with q(e) <= 0.
+  [[nodiscard]] bool is_missed() const {
+    if (!is_flatter_) return false;
+    return top_.b.hi > e_b_ || discriminant().hi < -discriminant_error();
+  }
+  /// Where q vanishes, if the signs around prove that the surface is crossed there; ascending.
+  [[nodiscard]] std::optional<std::array<double, 2>> crossings(double m) const {
+    if (!is_flatter_ || !(top_.b.hi < -e_b_) || !(discriminant().hi > discriminant_error()))
+      return std::nullopt;
+    const double far = (-top_.b.hi + std::sqrt(discriminant().hi)) / top_.a.hi;
+    const double near = top_.w.hi / top_.a.hi / far;
+    const double aside = (far - near) / 64;
+    const bool is_proved = near > aside && far < 0x1p-20 * m && is_outside(near - aside) &&
+                           is_inside(near + aside) && is_inside(far - aside) && is_outside(far + aside);
+    if (!is_proved) return std::nullopt;
+    return std::array{near, far};
+  }
+  /// delta at e.
+  [[nodiscard]] DoubleDouble delta(double e) const { return top_.delta + (top_.runs_up ? -e : e); }
+
+ private:
+  [[nodiscard]] DoubleDouble discriminant() const { return sqr(top_.b) - top_.a * top_.w; }
+  [[nodiscard]] double discriminant_error() const {
+    // a is within 16 u^2 of a sum of sizes below 8.
+    return 2 * e_b_ * (std::fabs(top_.b.hi) + e_b_) + 8 * e_w_ + 256 * kU2 * (top_.w.hi + sqr(top_.b.hi));
+  }
+  [[nodiscard]] DoubleDouble q(double e) const { return top_.w + (top_.b * 2 + top_.a * e) * e; }
+  [[nodiscard]] double q_error(double e) const {
+    return e_w_ + 2 * e_b_ * e + 256 * kU2 * (top_.w.hi + 2 * std::fabs(top_.b.hi) * e + 8 * e * e);
+  }
+  [[nodiscard]] bool is_outside(double e) const { return q(e).hi > q_error(e); }
+  [[nodiscard]] bool is_inside(double e) const { return q(e).hi < -q_error(e) - cubic_ * e * e * e; }
+  static double sqr(double x) { return x * x; }
+  static DoubleDouble sqr(const DoubleDouble& x) { return graze::sqr(x); }
+
+  Line::Top top_;
+  double cubic_, e_w_ = 0, e_b_ = 0;
+  bool is_flatter_ = false;
+};
 
 /// The crossing in direction `sense` of an inside point, in double. Newton's steps on G, which is concave:
 /// from outside they never pass the root. On F in the lower half, where G rises like a root from the bottom.
@@ -248,7 +322,9 @@ std::optional<LineCrossing> crossing(const Line& line, const DoubleDouble& insid
   constexpr int kWiden = 30, kRefine = 80;
   DoubleDouble in = inside, out;
   Value at_out;
-  const double near = approach(line, inside.hi, sense);
+  double near = approach(line, inside.hi, sense);
+  // At the apex's plane and beyond G is no number.
+  if (!std::isfinite(near)) near = line.slab()[sense > 0 ? 1 : 0];
   const double size = std::fabs(near) + std::fabs(line.centre()) + 1;
   // Widened until both sides are proved; only the outer one must be.
   bool is_passed = false;
@@ -305,6 +381,10 @@ LineAnswer prove_line(const Ray& local, double m, bool first_only) {
   LineAnswer answer;
   answer.centre = line.centre();
   if (!line.is_usable()) return answer;
+  const Value at_origin = line.value_at_origin();
+  answer.origin = at_origin.is_inside()    ? Origin::inside
+                  : at_origin.is_outside() ? Origin::outside
+                                           : Origin::on;
   const DoubleDouble top = deepest(line);
   const Value value = line.value(top);
   if (value.is_inside()) {
@@ -316,8 +396,20 @@ LineAnswer prove_line(const Ray& local, double m, bool first_only) {
     answer.proved = Proved::crosses;
     answer.entry = *entry;
     answer.exit = *exit;
-  } else if (misses(line, top, value, m) || misses_above(line, m)) {
+    return answer;
+  }
+  const Tip tip(line, m);
+  if (misses(line, top, value, m) || tip.is_missed()) {
     answer.proved = Proved::misses;
+  } else if (const auto e = tip.crossings(m)) {
+    const double aside = ((*e)[1] - (*e)[0]) / 64;
+    const auto at = [&](double x) {
+      const DoubleDouble a = tip.delta(x - aside), b = tip.delta(x + aside);
+      return LineCrossing{tip.delta(x), std::min(a, b), std::max(a, b)};
+    };
+    answer.proved = Proved::crosses;
+    answer.entry = at((*e)[line.rise() > 0 ? 1 : 0]);
+    answer.exit = at((*e)[line.rise() > 0 ? 0 : 1]);
   }
   return answer;
 }

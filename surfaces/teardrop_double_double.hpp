@@ -24,7 +24,8 @@ struct LineCrossing {
 
 struct LineAnswer {
   enum class Proved : std::uint8_t { open, misses, crosses } proved = Proved::open;
-  double centre = 0;  ///< l = centre + delta
+  enum class Origin : std::uint8_t { on, inside, outside } origin = Origin::on;  ///< on: or not known
+  double centre = 0;                                                             ///< l = centre + delta
   LineCrossing entry, exit;
 };
 
