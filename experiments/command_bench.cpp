@@ -9,6 +9,7 @@
 #include "errors.hpp"
 #include "json_lines.hpp"
 #include "judge.hpp"
+#include "peers.hpp"
 #include "timing.hpp"
 
 namespace graze {
@@ -41,7 +42,7 @@ std::vector<Ray> bench_rays(const CaseFamily& family, const AnySurface& surface,
   return rays;
 }
 
-/// Answers on the first rays, against truth. For queries other than all only the first hit is asked for.
+/// Answers on the first rays, against truth: all hits, the first one, or (any) only whether there is one.
 struct Score {
   std::size_t judged = 0, wrong = 0, uncertain = 0, failed = 0, hits = 0;
 };
@@ -54,6 +55,17 @@ std::vector<truth::Answer> first_truths(const SurfaceSpec& spec, std::span<const
     if (query != Query::all && answers.back().hits.size() > 1) answers.back().hits.resize(1);
   }
   return answers;
+}
+
+/// Query any: any hit will do, and an answer need not say where it is. One that lists none under a status
+/// other than ok claims nothing.
+Verdict judge_presence(const truth::Answer& truth, const Claim& claim) {
+  if (claim.l.empty() && claim.status == Status::uncertain) return Verdict::uncertain;
+  if (claim.l.empty() && (claim.status == Status::failed || claim.status == Status::invalid))
+    return Verdict::failed;
+  const bool is_right = (claim.status == Status::coincident) == (truth.status == Status::coincident) &&
+                        claim.l.empty() == truth.hits.empty();
+  return is_right ? Verdict::right : Verdict::wrong;
 }
 
 Score score(const Scene& scene, std::span<const Ray> rays, Query query, std::span<const truth::Answer> truths,
@@ -69,7 +81,9 @@ Score score(const Scene& scene, std::span<const Ray> rays, Query query, std::spa
                       {},
                       {},
                       std::span(hits.multiplicity).subspan(hits.begin(i), hits.count(i))};
-    const Verdict verdict = judge(rays[i], truths[i], claim, {.size = size}, nullptr).verdict;
+    const Verdict verdict = query == Query::any
+                                ? judge_presence(truths[i], claim)
+                                : judge(rays[i], truths[i], claim, {.size = size}, nullptr).verdict;
     ++result.judged;
     result.wrong += verdict == Verdict::wrong ? 1 : 0;
     result.uncertain += verdict == Verdict::uncertain ? 1 : 0;
@@ -140,11 +154,12 @@ void bench_family(const BenchOptions& options, const SurfaceSpec& spec, std::spa
     SceneMember member;
     member.surface = spec;
     member.formulation = options.formulation;
-    scenes.push_back(build_scene({&member, 1}, solver));
+    scenes.push_back(build_scene({&member, 1}, solver, query));
     Line line;
     line.solver = solver.options_text.empty() ? solver.name : solver.name + ":" + solver.options_text;
     const std::size_t formulation = scenes.back().pairing(0).formulation;
-    line.formulation = std::string(find_surface(spec.type).formulations[formulation].name);
+    const SurfaceEntry seen = seen_by(find_solver_or_peer(solver.name), find_surface(spec.type), query);
+    line.formulation = std::string(seen.formulations[formulation].name);
     line.score = score(scenes.back(), std::span(rays).first(truths.size()), query, truths, surface->size());
     lines.push_back(std::move(line));
   }
@@ -169,9 +184,10 @@ std::vector<SolverSpec> solvers_to_bench(const BenchOptions& options, const Surf
   if (options.solvers != "all") {
     solvers = parse_solver_list(options.solvers);
   } else {
-    for (const SolverEntry& entry : solver_registry()) {
-      if (all_pairings(entry, find_surface(spec.type), precision).empty()) continue;
-      solvers.push_back(parse_solver(entry.name));
+    const Query query = parse_query(options.query);
+    for (const SolverEntry* const entry : solvers_and_peers()) {
+      if (all_pairings(*entry, seen_by(*entry, find_surface(spec.type), query), precision).empty()) continue;
+      solvers.push_back(parse_solver_list(entry->name).front());
     }
   }
   for (SolverSpec& solver : solvers) solver.precision = precision;

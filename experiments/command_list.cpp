@@ -7,6 +7,7 @@
 #include "cases.hpp"
 #include "commands.hpp"
 #include "json_lines.hpp"
+#include "peers.hpp"
 
 namespace graze {
 namespace {
@@ -42,7 +43,8 @@ Json known_degree(int degree) { return degree == 0 ? Json(nullptr) : Json(degree
 
 Json solvers_json() {
   Json list = Json::array();
-  for (const SolverEntry& entry : solver_registry()) {
+  for (const SolverEntry* const solver : solvers_and_peers()) {
+    const SolverEntry& entry = *solver;
     Json options = Json::array();
     for (const auto& option : entry.info.options) {
       options.push_back({{"name", option.name}, {"default", option.fallback}, {"meaning", option.meaning}});
@@ -99,7 +101,8 @@ Json cases_json() {
 
 void print_solvers(fmt::memory_buffer& out) {
   fmt::format_to(std::back_inserter(out), "solvers\n");
-  for (const SolverEntry& entry : solver_registry()) {
+  for (const SolverEntry* const solver : solvers_and_peers()) {
+    const SolverEntry& entry = *solver;
     const auto& claims = entry.info.claims;
     const std::string degrees = degree_limit(entry.info);
     fmt::format_to(std::back_inserter(out), "  {:<20} {}\n  {:<20}   forms: {}{}{}; in {}; {}{}{}\n",

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "errors.hpp"
+#include "peers.hpp"
 #include "toml_values.hpp"
 
 namespace graze {
@@ -44,6 +45,28 @@ std::pair<std::string_view, std::string_view> split_name(std::string_view text) 
   const std::size_t colon = text.find(':');
   if (colon == std::string_view::npos) return {text, {}};
   return {text.substr(0, colon), text.substr(colon + 1)};
+}
+
+/// "NAME:key=value,..."; `find` gives the entry of a name or throws std::invalid_argument.
+template <class Find>
+SolverSpec read_solver(std::string_view name, std::string_view assignments, const Find& find) {
+  SolverSpec spec;
+  spec.name = std::string(name);
+  spec.options_text = std::string(assignments);
+  spec.options = parse_assignments(assignments, name);
+  as_usage_error("", [&] { return find(spec.name).make(spec.options); });
+  return spec;
+}
+
+constexpr std::string_view kPeer = "peer";
+
+/// A solver or a peer, whose name has a colon of its own: "peer:embree:triangles=1000".
+SolverSpec parse_solver_or_peer(std::string_view text) {
+  const auto [first, rest] = split_name(text);
+  if (first != kPeer) return parse_solver(text);
+  const std::string_view assignments = split_name(rest).second;
+  const std::size_t used = assignments.empty() ? 0 : assignments.size() + 1;
+  return read_solver(text.substr(0, text.size() - used), assignments, find_solver_or_peer);
 }
 
 std::string to_text(const ParameterValue& value) {
@@ -172,12 +195,8 @@ std::string surface_label(const SurfaceSpec& spec) {
 
 SolverSpec parse_solver(std::string_view text) {
   const auto [name, assignments] = split_name(text);
-  SolverSpec spec;
-  spec.name = std::string(name);
-  spec.options_text = std::string(assignments);
-  spec.options = parse_assignments(assignments, name);
-  as_usage_error("", [&] { return find_solver(spec.name).make(spec.options); });
-  return spec;
+  if (name == kPeer) throw UsageError(fmt::format("solver '{}': peers are for graze bench only", text));
+  return read_solver(name, assignments, find_solver);
 }
 
 std::vector<SolverSpec> parse_solver_list(std::string_view text) {
@@ -196,7 +215,7 @@ std::vector<SolverSpec> parse_solver_list(std::string_view text) {
     start = comma + 1;
   }
   std::vector<SolverSpec> solvers;
-  for (const std::string& part : parts) solvers.push_back(parse_solver(part));
+  for (const std::string& part : parts) solvers.push_back(parse_solver_or_peer(part));
   return solvers;
 }
 
@@ -214,13 +233,14 @@ std::vector<SceneMember> read_scene(const std::string& path) {
   return members;
 }
 
-Scene build_scene(std::span<const SceneMember> members, const SolverSpec& solver) {
+Scene build_scene(std::span<const SceneMember> members, const SolverSpec& solver, Query query) {
   Scene scene;
   for (const SceneMember& member : members) {
     const SolverSpec chosen = member.solver.empty() ? solver : parse_solver(member.solver);
     const std::string& formulation = member.formulation.empty() ? solver.formulation : member.formulation;
     as_usage_error("", [&] {
-      scene.add(find_surface(member.surface.type), member.surface, find_solver(chosen.name),
+      const SolverEntry& entry = find_solver_or_peer(chosen.name);
+      scene.add(seen_by(entry, find_surface(member.surface.type), query), member.surface, entry,
                 {chosen.options, formulation, solver.precision});
       return 0;
     });

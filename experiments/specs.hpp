@@ -36,14 +36,15 @@ SurfaceSpec parse_surface(std::string_view text);
 std::string surface_label(const SurfaceSpec& spec);
 /// "newton_slices:tries=50". Throws UsageError; the name is checked against the registry.
 SolverSpec parse_solver(std::string_view text);
-/// "A,B:x=1,y=2,C": a comma starts a new solver unless a key=value follows it.
+/// "A,B:x=1,y=2,C": a comma starts a new solver unless a key=value follows it. Takes peers too ("peer:gsl").
 std::vector<SolverSpec> parse_solver_list(std::string_view text);
 
 /// Reads a scene file. Throws UsageError that names file, line and field.
 std::vector<SceneMember> read_scene(const std::string& path);
 
-/// Builds the scene's intersectors: each member's own solver, or `solver`.
-Scene build_scene(std::span<const SceneMember> members, const SolverSpec& solver);
+/// Builds the scene's intersectors: each member's own solver, or `solver`, which may be a peer. A peer that
+/// takes rays is made for `query`.
+Scene build_scene(std::span<const SceneMember> members, const SolverSpec& solver, Query query = Query::all);
 
 /// The spec with every length multiplied by `factor`.
 SurfaceSpec scaled(const SurfaceSpec& spec, double factor);
