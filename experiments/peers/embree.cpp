@@ -155,16 +155,16 @@ struct FloatRay {
   }
 };
 
-FloatRay to_float(const Ray& ray, float near) {
+FloatRay to_float(const Ray& ray) {
   const auto narrow = [](Vec3 v) {
     return std::array{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
   };
-  return {narrow(ray.o), narrow(ray.d), near};
+  return {narrow(ray.o), narrow(ray.d)};
 }
 
 constexpr float kFar = std::numeric_limits<float>::infinity();
 constexpr float kMiss = -1;
-constexpr float kSomewhere = std::numeric_limits<float>::infinity();
+constexpr float kSomewhere = std::numeric_limits<float>::max();
 
 RTCRay one_ray(const FloatRay& ray) {
   RTCRay one{};
@@ -290,28 +290,34 @@ class MeshKernel {
 
  private:
   void answer(std::span<const Ray> rays, bool all, KernelAnswers& answers, std::size_t first) const {
-    std::array<FloatRay, kPacket> from;
+    std::array<FloatRay, kPacket> memory;
+    const std::span<FloatRay> asked(memory.data(), rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      from[i] = to_float(rays[i], 0);
+      asked[i] = to_float(rays[i]);
       // What is no question gets the scene's own answer.
       answers.hits[first + i] = is_valid(rays[i]) ? std::int8_t{0} : KernelAnswers::kOpen;
     }
-    const std::span<const FloatRay> asked(from.data(), rays.size());
-    bool more = true;
-    for (std::size_t k = 0; more && k < (all ? KernelAnswers::kMost : 1); ++k) {
-      const Distances l = kAny ? mesh_.occluded(asked) : mesh_.first(asked);
-      more = false;
-      for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (!(l[i] > 0)) {
-          from[i].d = {};  // done: a ray without a direction is not asked
-          continue;
-        }
-        answers.l[k][first + i] = std::isfinite(l[i]) ? l[i] : std::numeric_limits<double>::max();
-        ++answers.hits[first + i];
-        from[i].near = std::nextafter(l[i], kFar);
-        more = true;
-      }
+    const std::size_t most = all ? KernelAnswers::kMost : 1;
+    for (std::size_t k = 0; k < most; ++k) {
+      if (!add_next(asked, k, answers, first)) break;
     }
+  }
+
+  /// Adds hit k of the rays that have one and moves them behind it; true while there are such rays.
+  bool add_next(std::span<FloatRay> rays, std::size_t k, KernelAnswers& answers, std::size_t first) const {
+    const Distances l = kAny ? mesh_.occluded(rays) : mesh_.first(rays);
+    bool any = false;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      if (!(l[i] > 0)) {
+        rays[i].d = {};  // done: a ray without a direction is not asked
+        continue;
+      }
+      answers.l[k][first + i] = static_cast<double>(l[i]);
+      ++answers.hits[first + i];
+      rays[i].near = std::nextafter(l[i], kFar);
+      any = true;
+    }
+    return any;
   }
 
   Mesh mesh_;

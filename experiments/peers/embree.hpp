@@ -5,7 +5,7 @@
 //           the vertices lie on the surface, at the crossings of a uniform grid of the parameters
 // returns   always ok, whatever is true: a mesh cannot know what it misses. `first`: rtcIntersect1 or 16;
 //           `any`: rtcOccluded1 or 16, whose hits say that there is one and not where (l is the largest
-//           double); `all`: the nearest hit again and again from behind the last one, at most four
+//           float); `all`: the nearest hit again and again from behind the last one, at most four
 // error     of the mesh, about (length of an edge)^2 / (8 radius of curvature), and of single precision;
 //           a ray that is not finite in single precision meets nothing
 // cost      `triangles` triangles are built and kept in memory; one thread

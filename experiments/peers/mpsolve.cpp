@@ -5,10 +5,11 @@
 #include <memory>
 #include <vector>
 
+#include <graze/solvers/power_basis.hpp>
+
+// Last: its headers define macros such as isnan.
 #include <gmp.h>
 #include <mps/mps.h>
-
-#include <graze/solvers/power_basis.hpp>
 
 namespace graze {
 namespace {
