@@ -24,6 +24,7 @@ struct BenchOptions {
   std::string query = "first";
   std::size_t rays = 8192;
   std::size_t judged = 1000;
+  double match_radius = Measure{}.match_radius;
   int repeats = 15;
   double budget_ms = 200;
   std::uint64_t seed = 1;
@@ -69,7 +70,7 @@ Verdict judge_presence(const truth::Answer& truth, const Claim& claim) {
 }
 
 Score score(const Scene& scene, std::span<const Ray> rays, Query query, std::span<const truth::Answer> truths,
-            double size) {
+            const Measure& measure) {
   Scene::Workspace work;
   HitBuffer hits;
   scene.intersect(rays, query, {}, work, hits);
@@ -81,9 +82,8 @@ Score score(const Scene& scene, std::span<const Ray> rays, Query query, std::spa
                       {},
                       {},
                       std::span(hits.multiplicity).subspan(hits.begin(i), hits.count(i))};
-    const Verdict verdict = query == Query::any
-                                ? judge_presence(truths[i], claim)
-                                : judge(rays[i], truths[i], claim, {.size = size}, nullptr).verdict;
+    const Verdict verdict = query == Query::any ? judge_presence(truths[i], claim)
+                                                : judge(rays[i], truths[i], claim, measure, nullptr).verdict;
     ++result.judged;
     result.wrong += verdict == Verdict::wrong ? 1 : 0;
     result.uncertain += verdict == Verdict::uncertain ? 1 : 0;
@@ -160,7 +160,8 @@ void bench_family(const BenchOptions& options, const SurfaceSpec& spec, std::spa
     const std::size_t formulation = scenes.back().pairing(0).formulation;
     const SurfaceEntry seen = seen_by(find_solver_or_peer(solver.name), find_surface(spec.type), query);
     line.formulation = std::string(seen.formulations[formulation].name);
-    line.score = score(scenes.back(), std::span(rays).first(truths.size()), query, truths, surface->size());
+    line.score = score(scenes.back(), std::span(rays).first(truths.size()), query, truths,
+                       {options.match_radius, surface->size()});
     lines.push_back(std::move(line));
   }
   std::vector<Contestant> contestants;
@@ -239,6 +240,10 @@ Action add_bench_command(CLI::App& app) {
       ->check(CLI::Range(1, 100000000));
   command->add_option("--judge", options->judged, "rays judged against truth (default 1000)")
       ->check(CLI::Range(0, 100000000));
+  command
+      ->add_option("--match-radius", options->match_radius,
+                   "how near a claimed hit is to be, relative to |l| + L/|d| (default 1e-6)")
+      ->check(CLI::PositiveNumber);
   command->add_option("--repeats", options->repeats, "counted turns of each solver (default 15)")
       ->check(CLI::Range(1, 100000));
   command->add_option("--budget-ms", options->budget_ms, "time after which a turn stops (default 200)")

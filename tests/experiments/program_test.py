@@ -98,7 +98,7 @@ class Usage(ProgramTest):
         "truth": ["--scene", "--surface", "--query", "--keep-going", "--jobs", "--digits", "RAYS"],
         "roots": ["--solver", "--precision", "--keep-going", "POLYNOMIALS"],
         "bench": ["--surface", "--case", "--solver", "--formulation", "--precision", "--query", "--rays", "--judge",
-                  "--repeats", "--budget-ms", "--seed", "--json"],
+                  "--match-radius", "--repeats", "--budget-ms", "--seed", "--json"],
         "sweep": ["CONFIG", "--out", "--jobs"],
         "report": ["DIR", "--out"],
     }
@@ -694,6 +694,42 @@ class Bench(ProgramTest):
         text = self.done("bench", *TEARDROP, "--solver", "companion", *self.QUICK).stdout
         for word in ("camera", "companion", "median ns", "wrong"):
             self.assertIn(word, text)
+
+    def test_any_is_judged_by_presence(self):
+        line = answers(self.done("bench", *TEARDROP, "--query", "any", "--solver", "certified", *self.QUICK, "--json"))[0]
+        self.assertEqual((line["query"], line["wrong"], line["judged"]), ("any", 0, 50))
+        self.assertGreater(line["hits"], 0)
+
+    def test_a_wider_match_radius_forgives_more(self):
+        wrong = []
+        for radius in ("1e-15", "1e-6"):
+            line = answers(self.done("bench", *TEARDROP, "--case", "far", "--solver", "companion", *self.QUICK,
+                                     "--match-radius", radius, "--json"))[0]
+            wrong.append(line["wrong"])
+        self.assertGreater(wrong[0], wrong[1])
+        self.refused(2, ("--match-radius",), "bench", *TEARDROP, "--match-radius", "-1")
+
+    def peers(self) -> list[str]:
+        listed = json.loads(self.done("list", "solvers", "--json").stdout)["solvers"]
+        return [solver["name"] for solver in listed if solver["name"].startswith("peer:")]
+
+    def test_a_peer_that_is_not_there_is_refused_with_the_way_to_get_it(self):
+        self.refused(2, ("'peer:nope'", "GRAZE_PEERS=ON"), "bench", *TEARDROP, "--solver", "peer:nope")
+        self.refused(2, ("'peer:gsl'", "graze bench"), "solve", *TEARDROP, "--solver", "peer:gsl")
+
+    def test_peers_are_compared_with_ours_in_one_run(self):
+        peers = self.peers()
+        if not peers:
+            self.skipTest("a build without peers")
+        if "peer:embree" in peers:
+            peers[peers.index("peer:embree")] = "peer:embree:triangles=2000,packets=true"
+        lines = answers(self.done("bench", *TEARDROP, "--solver", ",".join(["certified", *peers]), *self.QUICK, "--json"))
+        self.assertEqual([line["solver"] for line in lines], ["certified", *peers])
+        for line in lines:
+            self.assertEqual(line["formulation"] == "triangles", "embree" in line["solver"])
+            self.assertGreater(line["hits"], 0)
+            if "embree" not in line["solver"]:
+                self.assertEqual(line["wrong"], 0, line)
 
     def test_bad_requests_are_refused(self):
         self.refused(2, ("unknown solver 'compnion'",), "bench", *TEARDROP, "--solver", "companion,compnion")
