@@ -6,8 +6,8 @@
 // returns   ok; failed if the peer reports an error; otherwise as power_basis::solve. A root is real if its
 //           imaginary part is no more than its radius
 // error     roots to 53 bits by the peer's word
-// cost      a context with its threads is made for each equation, about half of the time: one that is used
-//           again writes beyond its memory (version 3.2.1, seen with valgrind)
+// cost      a context is made for each equation, which costs more than the solving: one that is used again
+//           writes beyond its memory (version 3.2.1, seen with valgrind)
 // source    Bini, Robol, "Solving secular and polynomial equations: a multiprecision algorithm", J. Comput.
 //           Appl. Math. 272 (2014); MPSolve 3.2.1
 #pragma once

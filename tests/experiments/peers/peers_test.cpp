@@ -234,6 +234,18 @@ TEST_F(EmbreePeer, AFinerMeshIsNearer) {
   EXPECT_LT(coarse.worst / fine.worst, 32);
 }
 
+TEST_F(EmbreePeer, IsAsFineAtAPoleAsElsewhere) {
+  // 100 cells from pole to pole: chords of pi/100 stay within (pi/100)^2 / 8 of the unit sphere.
+  const SurfaceSpec sphere = spec_of("sphere", {{"center", std::vector<double>{0, 0, 0}}, {"radius", 1.0}});
+  std::vector<Ray> rays;
+  for (int i = 1; i < 100; ++i) rays.push_back({{0.002 * i, 5, 0.0007 * i}, {0, -1, 0}});
+  const HitBuffer truth = ask(sphere, "certified", rays, Query::first);
+  const Difference found = difference(truth, mesh(sphere, rays, Query::first, {{"triangles", 20000.0}}), 1);
+  EXPECT_EQ(found.counts, 0U);
+  std::printf("worst |l - l*| near the pole: %.2e\n", found.worst);
+  EXPECT_LE(found.worst, 4e-4);
+}
+
 TEST_F(EmbreePeer, PacketsAnswerAsSingleRaysAndAnyAsFirst) {
   const std::vector<Ray> rays = camera_rays(teardrop(), 1003);  // no multiple of 16
   const HitBuffer one = mesh(teardrop(), rays, Query::first, {{"triangles", 20000.0}});
