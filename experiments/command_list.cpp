@@ -41,10 +41,15 @@ std::string degree_limit(const SolverInfo& info) {
 /// 0 stands for "any" and "depends on the surface": JSON says null.
 Json known_degree(int degree) { return degree == 0 ? Json(nullptr) : Json(degree); }
 
-Json solvers_json() {
+std::vector<SolverEntry> peers() {
+  std::vector<SolverEntry> entries;
+  for (const Peer& peer : peer_registry()) entries.push_back(peer.solver);
+  return entries;
+}
+
+Json solvers_json(const std::vector<SolverEntry>& entries) {
   Json list = Json::array();
-  for (const SolverEntry* const solver : solvers_and_peers()) {
-    const SolverEntry& entry = *solver;
+  for (const SolverEntry& entry : entries) {
     Json options = Json::array();
     for (const auto& option : entry.info.options) {
       options.push_back({{"name", option.name}, {"default", option.fallback}, {"meaning", option.meaning}});
@@ -99,10 +104,10 @@ Json cases_json() {
   return list;
 }
 
-void print_solvers(fmt::memory_buffer& out) {
-  fmt::format_to(std::back_inserter(out), "solvers\n");
-  for (const SolverEntry* const solver : solvers_and_peers()) {
-    const SolverEntry& entry = *solver;
+void print_solvers(std::string_view title, const std::vector<SolverEntry>& entries, fmt::memory_buffer& out) {
+  if (entries.empty()) return;
+  fmt::format_to(std::back_inserter(out), "{}\n", title);
+  for (const SolverEntry& entry : entries) {
     const auto& claims = entry.info.claims;
     const std::string degrees = degree_limit(entry.info);
     fmt::format_to(std::back_inserter(out), "  {:<20} {}\n  {:<20}   forms: {}{}{}; in {}; {}{}{}\n",
@@ -163,12 +168,16 @@ void list(const ListOptions& options) {
   Output output;
   if (options.json) {
     Json all;
-    if (wanted("solvers")) all["solvers"] = solvers_json();
+    if (wanted("solvers")) all["solvers"] = solvers_json(solver_registry());
+    if (wanted("solvers") && !peer_registry().empty()) all["peers"] = solvers_json(peers());
     if (wanted("surfaces")) all["surfaces"] = surfaces_json();
     if (wanted("cases")) all["cases"] = cases_json();
     fmt::format_to(std::back_inserter(output.buffer()), "{}\n", all.dump(2));
   } else {
-    if (wanted("solvers")) print_solvers(output.buffer());
+    if (wanted("solvers")) {
+      print_solvers("solvers", solver_registry(), output.buffer());
+      print_solvers("peers (for graze bench)", peers(), output.buffer());
+    }
     if (wanted("surfaces")) print_surfaces(output.buffer());
     if (wanted("cases")) print_cases(output.buffer());
   }

@@ -40,7 +40,7 @@ static_assert(kBracketDigits == 50);
 }  // namespace
 
 struct Toms748 {
-  static constexpr std::string_view kSummary = "peer: Boost's toms748_solve on each change of sign";
+  static constexpr std::string_view kSummary = "Boost's toms748_solve on each change of sign";
   template <class F>
   static Bracket refine(const F& f, const Sample& a, const Sample& b) {
     std::uintmax_t steps = kBudget;
@@ -50,7 +50,7 @@ struct Toms748 {
 };
 
 struct Bisect {
-  static constexpr std::string_view kSummary = "peer: Boost's bisect on each change of sign";
+  static constexpr std::string_view kSummary = "Boost's bisect on each change of sign";
   template <class F>
   static Bracket refine(const F& f, const Sample& a, const Sample& b) {
     std::uintmax_t steps = kBudget;
@@ -60,7 +60,7 @@ struct Bisect {
 };
 
 struct NewtonRaphson {
-  static constexpr std::string_view kSummary = "peer: Boost's newton_raphson_iterate on each change of sign";
+  static constexpr std::string_view kSummary = "Boost's newton_raphson_iterate on each change of sign";
   /// Boost's manual: 0.6 of the digits, since the last step doubles those that are right.
   static constexpr int kAsked = static_cast<int>(0.6 * kDigits);
   template <class F>
@@ -77,7 +77,7 @@ struct NewtonRaphson {
 };
 
 struct HalleyIterate {
-  static constexpr std::string_view kSummary = "peer: Boost's halley_iterate on each change of sign";
+  static constexpr std::string_view kSummary = "Boost's halley_iterate on each change of sign";
   /// Boost's manual: 0.4 of the digits, since the last step triples those that are right.
   static constexpr int kAsked = static_cast<int>(0.4 * kDigits);
   template <class F>

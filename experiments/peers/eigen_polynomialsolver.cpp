@@ -31,7 +31,7 @@ void add_by_eigens_rule(const PeerSolver<T>& peer, const power_basis::Problem<T>
 
 SolverInfo EigenPolynomialsolver::info() {
   SolverInfo info;
-  info.summary = "peer: Eigen's PolynomialSolver, eigenvalues of the companion matrix";
+  info.summary = "Eigen's PolynomialSolver, eigenvalues of the companion matrix";
   info.source = "Eigen 3.4, unsupported/Eigen/Polynomials";
   info.page = "experiments/peers/README.md";
   info.options = {{"own_rule", "false", "which roots are real: by Eigen's threshold 1e-12 on |Im|"}};

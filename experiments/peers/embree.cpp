@@ -327,7 +327,7 @@ class MeshKernel {
 
 SolverInfo Embree::info() {
   SolverInfo info;
-  info.summary = "peer: Embree on a mesh of triangles, in single precision; takes rays, no equation";
+  info.summary = "Embree on a mesh of triangles, in single precision; takes rays, no equation";
   info.source = "Wald et al., ACM TOG 33 (2014); Embree 3.13";
   info.page = "experiments/peers/README.md";
   info.options = {{"triangles", "1000000", "about so many, two for each cell of a square grid"},

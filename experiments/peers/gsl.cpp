@@ -20,7 +20,7 @@ using Workspace = std::unique_ptr<gsl_poly_complex_workspace, FreeWorkspace>;
 
 SolverInfo Gsl::info() {
   SolverInfo info;
-  info.summary = "peer: gsl_poly_complex_solve, eigenvalues of the balanced companion matrix";
+  info.summary = "gsl_poly_complex_solve, eigenvalues of the balanced companion matrix";
   info.source = "GNU Scientific Library 2.7";
   info.page = "experiments/peers/README.md";
   info.claims = {.finds_touching_roots = true, .certified = false, .deterministic = true};

@@ -69,7 +69,7 @@ class Session {
 
 SolverInfo Mpsolve::info() {
   SolverInfo info;
-  info.summary = "peer: MPSolve, multiprecision roots of the exact coefficients";
+  info.summary = "MPSolve, multiprecision roots of the exact coefficients";
   info.source = "Bini, Robol, J. Comput. Appl. Math. 272 (2014); MPSolve 3.2.1";
   info.page = "experiments/peers/README.md";
   info.claims = {.finds_touching_roots = true, .certified = false, .deterministic = true};
