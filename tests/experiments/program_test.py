@@ -732,6 +732,14 @@ class Bench(ProgramTest):
             if "embree" not in line["solver"]:
                 self.assertEqual(line["wrong"], 0, line)
 
+    def test_occlusion_is_judged_by_presence(self):
+        if "peer:embree" not in self.peers():
+            self.skipTest("a build without this peer")
+        line = answers(self.done("bench", *TEARDROP, "--query", "any", "--solver", "peer:embree:triangles=20000", *self.QUICK,
+                                 "--json"))[0]
+        self.assertGreater(line["hits"], 0)
+        self.assertLessEqual(line["wrong"], 2)  # rays at the mesh's outline
+
     def test_bad_requests_are_refused(self):
         self.refused(2, ("unknown solver 'compnion'",), "bench", *TEARDROP, "--solver", "companion,compnion")
         self.refused(2, ("--rays",), "bench", *TEARDROP, "--solver", "companion", "--rays", "0")
