@@ -1,12 +1,12 @@
 #include <graze/surfaces/teardrop_certified.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 
 #include <graze/solvers/certified.hpp>
-#include <graze/surfaces/teardrop_double_double.hpp>
 #include <graze/surfaces/teardrop_exact.hpp>
 
 namespace graze {
@@ -40,10 +40,24 @@ class HitsOfRay {
 /// Whether the crossing lies ahead of the ray's origin; nothing where that is not known. A bracket that holds
 /// the origin is narrower than any digit of l that counts: the side of the origin decides.
 std::optional<bool> is_ahead(const LineAnswer& line, const LineCrossing& crossing, bool enters) {
-  if ((crossing.hi + line.centre).hi < 0) return false;
-  if ((crossing.lo + line.centre).hi > 0) return true;
+  if (crossing.hi < 0) return false;
+  if (crossing.lo > 0) return true;
   if (line.origin == LineAnswer::Origin::on) return std::nullopt;
   return (line.origin == LineAnswer::Origin::outside) == enters;
+}
+
+/// What is proved of the line, as hits ahead of the origin; false: nothing.
+bool add_hits(const LineAnswer& line, int l_exponent, bool all, HitsOfRay& hits) {
+  if (line.proved != LineAnswer::Proved::crosses) return line.proved == LineAnswer::Proved::misses;
+  for (const bool enters : {true, false}) {
+    const LineCrossing& crossing = enters ? line.entry : line.exit;
+    const std::optional<bool> ahead = is_ahead(line, crossing, enters);
+    if (!ahead) return false;
+    if (!*ahead) continue;
+    if (!hits.add(scale_by_power(crossing.l > 0 ? crossing.l : crossing.hi, l_exponent), 1)) return false;
+    if (!all) break;
+  }
+  return true;
 }
 
 }  // namespace
@@ -64,9 +78,14 @@ void TeardropCertified::intersect(std::span<const Ray> rays, bool all, KernelAns
     return;
   }
   if (run_lanes({rays.data(), rays.size(), m_, 1 / inverse_unit_, inverse_unit_, all}, to) == 0) return;
+  std::array<std::size_t, kAtOnce> open{};
+  std::size_t count = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (to.hits[i] != KernelAnswers::kOpen || !is_valid(rays[i])) continue;
-    if (!look_again(rays[i], all, answers, first + i)) decide(rays[i], all, answers, first + i);
+    if (to.hits[i] == KernelAnswers::kOpen && is_valid(rays[i])) open[count++] = i;
+    const bool is_last = i + 1 == rays.size();
+    if (count == 0 || (count < kAtOnce && !is_last)) continue;
+    look_again(rays, std::span(open).first(count), all, answers, first);
+    count = 0;
   }
 }
 
@@ -78,25 +97,34 @@ std::size_t TeardropCertified::run_lanes(const TeardropBatch& batch, const Teard
   return baseline::intersect_teardrop(batch, to);
 }
 
-/// The middle tier: what double-doubles prove of the line, as hits ahead of the origin.
-bool TeardropCertified::look_again(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const {
-  const LocalRay local = to_unit(ray, unit_);
-  const LineAnswer line = prove_line({local.o, local.d}, m_, !all);
-  if (line.proved == LineAnswer::Proved::open) return false;
-  HitsOfRay hits(answers, at);
-  for (const bool enters : {true, false}) {
-    if (line.proved == LineAnswer::Proved::misses) break;
-    const LineCrossing& crossing = enters ? line.entry : line.exit;
-    const std::optional<bool> ahead = is_ahead(line, crossing, enters);
-    if (!ahead) return false;
-    if (!*ahead) continue;
-    const double l = (crossing.delta + line.centre).hi;
-    const double positive = l > 0 ? l : (crossing.hi + line.centre).hi;
-    if (!hits.add(scale_by_power(positive, local.l_exponent), 1)) return false;
-    if (!all) break;
+void TeardropCertified::run_double_doubles(const TeardropLines& lines, LineAnswer* answers) const {
+#if defined(__x86_64__)
+  if (set_ == InstructionSet::avx512) return avx512::prove_teardrop_lines(lines, answers);
+  if (set_ == InstructionSet::avx2) return avx2::prove_teardrop_lines(lines, answers);
+#endif
+  baseline::prove_teardrop_lines(lines, answers);
+}
+
+/// The middle tier: what double-doubles prove of the open lines; the last one decides the others.
+void TeardropCertified::look_again(std::span<const Ray> rays, std::span<const std::size_t> open, bool all,
+                                   KernelAnswers& answers, std::size_t first) const {
+  std::array<Ray, kAtOnce> lines;
+  std::array<int, kAtOnce> l_exponents{};
+  std::array<LineAnswer, kAtOnce> proved;
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    const LocalRay local = to_unit(rays[open[k]], unit_);
+    lines[k] = {local.o, local.d};
+    l_exponents[k] = local.l_exponent;
   }
-  hits.close(2);
-  return true;
+  run_double_doubles({lines.data(), open.size(), m_, !all}, proved.data());
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    HitsOfRay hits(answers, first + open[k]);
+    if (add_hits(proved[k], l_exponents[k], all, hits)) {
+      hits.close(2);
+    } else {
+      decide(rays[open[k]], all, answers, first + open[k]);
+    }
+  }
 }
 
 /// The last tier: every ray has an answer; only an l out of the range of double is left open.

@@ -15,6 +15,7 @@
 #include <graze/solvers/math/instruction_set.hpp>
 #include <graze/surfaces/kernel.hpp>
 #include <graze/surfaces/teardrop.hpp>
+#include <graze/surfaces/teardrop_double_double.hpp>
 #include <graze/surfaces/teardrop_lanes.hpp>
 
 namespace graze {
@@ -29,8 +30,12 @@ class TeardropCertified {
   void intersect(std::span<const Ray> rays, bool all, KernelAnswers& answers, std::size_t first) const;
 
  private:
+  static constexpr std::size_t kAtOnce = 64;  ///< lines that the middle tier takes
+
   std::size_t run_lanes(const TeardropBatch& batch, const TeardropAnswers& to) const;
-  bool look_again(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const;
+  void run_double_doubles(const TeardropLines& lines, LineAnswer* answers) const;
+  void look_again(std::span<const Ray> rays, std::span<const std::size_t> open, bool all,
+                  KernelAnswers& answers, std::size_t first) const;
   void decide(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const;
 
   double size_;  ///< s

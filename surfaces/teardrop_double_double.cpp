@@ -1,417 +1,480 @@
+// Compiled once for each instruction set. A line's lane does not see its neighbours: it stops to move when
+// its own criterion is met.
 #include <graze/surfaces/teardrop_double_double.hpp>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
-#include <optional>
+#include <graze/solvers/math/lanes_double_double.hpp>
 
-namespace graze {
+namespace graze::GRAZE_LANES {
 namespace {
 
 constexpr double kU2 = 0x1p-106;    // u^2
 constexpr double kTiny = 0x1p-800;  // above what underflow can add to a bound, far below what matters
+constexpr double kInfinity = __builtin_inf();
 
-using Proved = LineAnswer::Proved;
-using Origin = LineAnswer::Origin;
+bool any(Mask mask) { return to_bits(mask) != 0; }
+Lanes norm(Lanes x, Lanes z) { return sqrt(fma(x, x, z * z)); }
+Mask is_finite(Lanes x) { return abs(x) < kInfinity; }
 
-/// F = R^2 - |x_xz|^2 at a point of the line, with a bound on its error.
+/// F = R^2 - |x_xz|^2 at points of the lines, with a bound on its error.
 struct Value {
-  DoubleDouble f;
-  double error = 0;
-  bool is_beside = false;  ///< certainly below the bottom or above the apex
+  Wide f;
+  Lanes error;
+  Mask is_beside;  ///< certainly below the bottom or above the apex
 
-  [[nodiscard]] bool is_inside() const { return !is_beside && f.hi > error; }
-  [[nodiscard]] bool is_outside() const { return is_beside || f.hi < -error; }
+  [[nodiscard]] Mask is_inside() const { return ~is_beside & (f.hi > error); }
+  [[nodiscard]] Mask is_outside() const { return is_beside | (f.hi < -error); }
 };
 
-/// F and its slope along the line, in double: they only guide steps.
-struct Slopes {
-  double f = 0, df = 0;
-};
-
-class Line {
+class Lines {
  public:
-  Line(const Ray& ray, double m)
-      : o_(ray.o), d_(ray.d), m_(m), six_m_(two_prod(6, m)), nine_m2_(9 * two_prod(m, m)) {
+  Lines(const double* rays, double m) : m_(m) {
+    Lanes x[6];
+    load_records(rays, x);
+    for (int i = 0; i < 3; ++i) {
+      o_[i] = x[i];
+      d_[i] = x[i + 3];
+    }
+    six_m_ = two_prod(all(6.0), all(m));
+    nine_m2_ = two_prod(all(m), all(m)) * all(9.0);
     // Any double near the closest approach to the widest circle's centre will do.
-    const double dd = dot(d_, d_);
-    centre_ = (d_.x * -ray.o.x + d_.y * (2.52 * m - ray.o.y) + d_.z * -ray.o.z) / dd;
-    const auto moved = [&](double o, double d) { return two_prod(centre_, d) + o; };
-    p_ = {moved(ray.o.x, d_.x), moved(ray.o.y, d_.y), moved(ray.o.z, d_.z)};
-    const auto in_range = [](double x) { return std::fabs(x) < 0x1p400; };
-    usable_ = in_range(centre_) && in_range(ray.o.x) && in_range(ray.o.y) && in_range(ray.o.z);
+    const Lanes dd = fma(d_[0], d_[0], fma(d_[1], d_[1], d_[2] * d_[2]));
+    centre_ = -fma(d_[0], o_[0], fma(d_[1], o_[1] - 2.52 * m, d_[2] * o_[2])) / dd;
+    usable_ = abs(centre_) < 0x1p400;
+    for (int i = 0; i < 3; ++i) {
+      p_[i] = two_prod(centre_, d_[i]) + o_[i];
+      usable_ &= abs(o_[i]) < 0x1p400;
+    }
   }
 
-  [[nodiscard]] bool is_usable() const { return usable_; }
-  [[nodiscard]] double centre() const { return centre_; }
+  [[nodiscard]] Mask is_usable() const { return usable_; }
+  [[nodiscard]] Lanes centre() const { return centre_; }
+  [[nodiscard]] double m() const { return m_; }
+  /// centre + delta, rounded once.
+  [[nodiscard]] Lanes l(const Wide& delta) const { return (delta + centre_).hi; }
 
-  /// Error terms: p within 2 u^2 of each coordinate, delta d within 2, their sum within 3
-  /// (double_double.hpp); v, 1 - v, sqrt and the quotient within 16, 19, 4 and 15, so that rho = 9 m^2 v g^2
-  /// is within 160 of itself plus |d rho / dy| times the error of y.
-  [[nodiscard]] Value value(const DoubleDouble& delta) const {
-    const DoubleDouble x = p_[0] + delta * d_.x, y = p_[1] + delta * d_.y, z = p_[2] + delta * d_.z;
-    return value_at({x, y, z}, {error_of(p_[0], delta, d_.x, x), error_of(p_[1], delta, d_.y, y),
-                                error_of(p_[2], delta, d_.z, z)});
+  /// Error terms: p within 2 u^2 of each coordinate, delta d within 2, their sum within 3.
+  [[nodiscard]] Value value(const Wide& delta) const {
+    Wide x[3];
+    Lanes e[3];
+    for (int i = 0; i < 3; ++i) {
+      x[i] = p_[i] + delta * d_[i];
+      e[i] = kU2 * (3 * abs(p_[i].hi) + 3 * abs(delta.hi * d_[i]) + 4 * abs(x[i].hi));
+    }
+    return value_at(x, e);
   }
-  /// At l = 0: no error of the point itself.
-  [[nodiscard]] Value value_at_origin() const { return value_at({o_.x, o_.y, o_.z}, {}); }
+  /// At l = 0: no error of the points themselves.
+  [[nodiscard]] Value value_at_origin() const {
+    const Wide x[3] = {wide(o_[0]), wide(o_[1]), wide(o_[2])};
+    const Lanes none[3] = {Lanes{}, Lanes{}, Lanes{}};
+    return value_at(x, none);
+  }
 
-  /// `e`: of x, y, z.
-  [[nodiscard]] Value value_at(const std::array<DoubleDouble, 3>& point, Vec3 e) const {
+  /// `e`: of x, y, z. v, 1 - v, sqrt and the quotient are within 16, 19, 4 and 15 u^2, so that rho = 9 m^2 v
+  /// g^2 is within 160 of itself plus |d rho / dy| times the error of y.
+  [[nodiscard]] Value value_at(const Wide (&point)[3], const Lanes (&e)[3]) const {
     const auto& [x, y, z] = point;
-    const auto [ex, ey, ez] = e;
-    const DoubleDouble below = six_m_ - y;
+    const Wide below = six_m_ - y;
     Value result;
-    result.is_beside = y.hi < -ey || below.hi < -2 * ey - 4 * kU2 * six_m_.hi;
-    const DoubleDouble v = std::max(y, DoubleDouble(0)) / six_m_;
-    const DoubleDouble t = sqrt(v);
-    const DoubleDouble g = below / six_m_ * (t + 2) / (t + 1);
-    const DoubleDouble rho = nine_m2_ * v * sqr(g);
-    const DoubleDouble square = sqr(x) + sqr(z);
+    result.is_beside = (y.hi < -e[1]) | (below.hi < -2 * e[1] - 4 * kU2 * six_m_.hi);
+    const Wide v = select(y.hi > 0, y, wide(0.0)) / six_m_;
+    const Wide t = sqrt(v);
+    const Wide g = below / six_m_ * (t + all(2.0)) / (t + all(1.0));
+    const Wide rho = nine_m2_ * v * sqr(g);
+    const Wide square = sqr(x) + sqr(z);
     result.f = rho - square;
-    const double e_height = ey + 4 * kU2 * six_m_.hi;
+    const Lanes e_height = e[1] + 4 * kU2 * six_m_.hi;
     // |d rho / dy| = 3/2 m g |2 - 3v - 2t| here, at most 6 m anywhere; it turns by less than 32 an unit of y
     // where v > 2^-10.
-    const double turn = std::fabs(2 - 3 * v.hi - 2 * t.hi);
-    const double local = 1.5 * m_ * std::fabs(g.hi) * turn + 32 * e_height;
-    const double slope = v.hi > 0x1p-10 ? std::min(local, 6 * m_) : 6 * m_;
-    result.error =
-        1.01 * (160 * kU2 * rho.hi + slope * e_height + 2 * (std::fabs(x.hi) * ex + std::fabs(z.hi) * ez) +
-                ex * ex + ez * ez + 16 * kU2 * square.hi) +
-        kTiny;
+    const Lanes turn = abs(2 - 3 * v.hi - 2 * t.hi);
+    const Lanes local = 1.5 * m_ * abs(g.hi) * turn + 32 * e_height, most = all(6 * m_);
+    const Lanes slope = select((v.hi > 0x1p-10) & (local < most), local, most);
+    result.error = 1.01 * (160 * kU2 * rho.hi + slope * e_height + 2 * (abs(x.hi) * e[0] + abs(z.hi) * e[2]) +
+                           e[0] * e[0] + e[2] * e[2] + 16 * kU2 * square.hi) +
+                   kTiny;
     return result;
-  }
-
-  [[nodiscard]] Slopes slopes(double delta) const {
-    const double x = p_[0].hi + delta * d_.x, y = p_[1].hi + delta * d_.y, z = p_[2].hi + delta * d_.z;
-    const double v = std::max(y / six_m_.hi, 0x1p-80), t = std::sqrt(v), k = d_.y / six_m_.hi;
-    const double g = 2 - v - t, turn = 2 - 3 * v - 2 * t;
-    return {nine_m2_.hi * v * g * g - x * x - z * z, nine_m2_.hi * g * turn * k - 2 * (x * d_.x + z * d_.z)};
   }
 
   /// How far the point is inside the body's circle at its height: G = R - |x_xz|, concave along the line,
   /// with its first two derivatives; not a number outside of the slab 0 <= y <= 6m.
   struct Depth {
-    double g = 0, dg = 0, ddg = 0;
+    Lanes g, dg, ddg;
   };
-  [[nodiscard]] Depth depth(double delta) const {
-    const double x = p_[0].hi + delta * d_.x, y = p_[1].hi + delta * d_.y, z = p_[2].hi + delta * d_.z;
-    const double t = std::sqrt(y / six_m_.hi), rho = std::hypot(x, z);
-    const double rise = (2 - t * (2 + 3 * t)) / (4 * t) * d_.y;
-    const double spread = rho > 0 ? (x * d_.x + z * d_.z) / rho : 0;
-    const double flat = d_.x * d_.x + d_.z * d_.z;
+  [[nodiscard]] Depth depth(Lanes delta) const {
+    const Lanes x = at(0, delta), y = at(1, delta), z = at(2, delta);
+    const Lanes t = sqrt(y / six_m_.hi), rho = norm(x, z);
+    const Mask off_axis = rho > 0;
+    const Lanes rise = (2 - t * (2 + 3 * t)) / (4 * t) * d_[1];
+    const Lanes spread = select(off_axis, (x * d_[0] + z * d_[2]) / rho, Lanes{});
+    const Lanes flat = d_[0] * d_[0] + d_[2] * d_[2];
+    const Lanes bend = select(off_axis, max(flat - spread * spread, Lanes{}) / rho, Lanes{});
     return {3 * m_ * t * (1 - t) * (2 + t) - rho, rise - spread,
-            -(2 + 3 * t * t) / (48 * m_ * t * t * t) * d_.y * d_.y -
-                (rho > 0 ? std::max(0.0, flat - spread * spread) / rho : 0)};
+            -(2 + 3 * t * t) / (48 * m_ * t * t * t) * d_[1] * d_[1] - bend};
   }
 
   /// What falls through zero at a crossing, with its slope: G, or F in the lower half of the body.
   struct Descent {
-    double value = 0, slope = 0;
-    bool on_depth = false;
+    Lanes value, slope;
+    Mask on_depth;
   };
-  [[nodiscard]] Descent descent(double delta) const {
-    const double y = p_[1].hi + delta * d_.y;
-    if (y > 0.5 * six_m_.hi) {
-      const Depth here = depth(delta);
-      return {here.g, here.dg, true};
-    }
-    const Slopes here = slopes(delta);
-    return {here.f, here.df, false};
+  [[nodiscard]] Descent descent(Lanes delta) const {
+    const Lanes x = at(0, delta), y = at(1, delta), z = at(2, delta);
+    const Depth here = depth(delta);
+    const Lanes v = max(y / six_m_.hi, all(0x1p-80)), t = sqrt(v), k = d_[1] / six_m_.hi;
+    const Lanes g = 2 - v - t, turn = 2 - 3 * v - 2 * t;
+    const Lanes f = nine_m2_.hi * v * g * g - x * x - z * z;
+    const Lanes df = nine_m2_.hi * g * turn * k - 2 * (x * d_[0] + z * d_[2]);
+    const Mask upper = y > 0.5 * six_m_.hi;
+    return {select(upper, here.g, f), select(upper, here.dg, df), upper};
   }
 
   /// G' to twice the digits where 0 < y < 6m and the point is off the axis, and a bound on its error: fewer
   /// than 32 operations within 16 u^2 on terms of the sizes given, and y's and rho's errors over t^3 and rho.
   struct Slope {
-    DoubleDouble value;
-    double error = 0;
+    Wide value;
+    Lanes error;
   };
-  [[nodiscard]] Slope depth_slope(const DoubleDouble& delta) const {
-    const DoubleDouble x = p_[0] + delta * d_.x, y = p_[1] + delta * d_.y, z = p_[2] + delta * d_.z;
-    const DoubleDouble t = sqrt(y / six_m_), rho = sqrt(sqr(x) + sqr(z));
-    const DoubleDouble rise = (2 - t * (2 + 3 * t)) / (4 * t) * d_.y;
-    const DoubleDouble spread = (x * d_.x + z * d_.z) / rho;
-    const double size = 2 * std::fabs(d_.y) / t.hi + 4;
-    const double moved = coordinate_error(delta);
-    const double bend = d_.y * d_.y / (t.hi * t.hi * t.hi) + 8 / rho.hi;
-    return {rise - spread, 1024 * kU2 * size + moved * bend};
+  [[nodiscard]] Slope depth_slope(const Wide& delta) const {
+    const Wide x = p_[0] + delta * d_[0], y = p_[1] + delta * d_[1], z = p_[2] + delta * d_[2];
+    const Wide t = sqrt(y / six_m_), rho = sqrt(sqr(x) + sqr(z));
+    const Wide rise = (wide(2.0) - t * (t * all(3.0) + all(2.0))) / (t * all(4.0)) * d_[1];
+    const Wide spread = (x * d_[0] + z * d_[2]) / rho;
+    const Lanes size = 2 * abs(d_[1]) / t.hi + 4;
+    const Lanes bend = d_[1] * d_[1] / (t.hi * t.hi * t.hi) + 8 / rho.hi;
+    return {rise - spread, 1024 * kU2 * size + coordinate_error(delta) * bend};
   }
 
   /// The part of the line between the planes of the poles, as rounded.
-  [[nodiscard]] std::array<double, 2> slab() const {
-    constexpr double kFar = 0x1p20;  // a line that flat leaves every body's reach before
-    const double a = -p_[1].hi / d_.y, b = (six_m_.hi - p_[1].hi) / d_.y;
-    if (d_.y == 0 || !(std::fabs(a) < kFar && std::fabs(b) < kFar)) return {-kFar, kFar};
-    return {std::min(a, b), std::max(a, b)};
+  struct Slab {
+    Lanes lo, hi;
+  };
+  [[nodiscard]] Slab slab() const {
+    const Lanes far = all(0x1p20);  // a line that flat leaves every body's reach before
+    const Lanes a = -p_[1].hi / d_[1], b = (six_m_.hi - p_[1].hi) / d_[1];
+    const Mask steep = (d_[1] != 0) & (abs(a) < far) & (abs(b) < far);
+    return {select(steep, min(a, b), -far), select(steep, max(a, b), far)};
   }
-  /// Of p from the axis and the bottom, a coordinate.
-  [[nodiscard]] double reach() const {
-    return std::max({std::fabs(p_[0].hi), std::fabs(p_[1].hi), std::fabs(p_[2].hi)});
-  }
-  [[nodiscard]] double distance_from_axis(const DoubleDouble& delta) const {
-    return std::hypot(p_[0].hi + delta.hi * d_.x, p_[2].hi + delta.hi * d_.z);
-  }
-  [[nodiscard]] double distance_from_origin(const DoubleDouble& delta) const {
-    return std::hypot(p_[0].hi + delta.hi * d_.x, p_[1].hi + delta.hi * d_.y, p_[2].hi + delta.hi * d_.z);
-  }
-  /// Where a line that is not level passes the apex's plane, and how |x_xz|^2 - (9/16) d_y^2 e^2 =
+
+  /// Where lines that are not level pass the apex's plane, and how |x_xz|^2 - (9/16) d_y^2 e^2 =
   /// w + 2 b e + a e^2 goes on into the slab. `error`: of x and z there.
   struct Top {
-    DoubleDouble delta;
-    bool runs_up = false;
-    Vec3 xz;
-    double error = 0;
-    DoubleDouble w, b, a;
+    Wide delta;
+    Lanes size, error;
+    Wide w, b, a;
   };
   [[nodiscard]] Top at_top() const {
-    const DoubleDouble delta = (six_m_ - p_[1]) / d_.y;
-    const DoubleDouble x = p_[0] + delta * d_.x, z = p_[2] + delta * d_.z;
-    const DoubleDouble flat = two_prod(d_.x, d_.x) + two_prod(d_.z, d_.z);
-    const DoubleDouble outward = x * d_.x + z * d_.z;
+    const Wide delta = (six_m_ - p_[1]) / d_[1];
+    const Wide x = p_[0] + delta * d_[0], z = p_[2] + delta * d_[2];
+    const Wide flat = two_prod(d_[0], d_[0]) + two_prod(d_[2], d_[2]);
+    const Wide outward = x * d_[0] + z * d_[2];
     return {delta,
-            d_.y > 0,
-            {x.hi, 0, z.hi},
+            norm(x.hi, z.hi),
             coordinate_error(delta),
             sqr(x) + sqr(z),
-            d_.y > 0 ? -outward : outward,
-            flat - 0.5625 * two_prod(d_.y, d_.y)};
+            select(runs_up(), -outward, outward),
+            flat - two_prod(d_[1], d_[1]) * all(0.5625)};
   }
-  [[nodiscard]] double rise() const { return d_.y; }
-  [[nodiscard]] bool is_level() const { return d_.y == 0; }
+  [[nodiscard]] Mask runs_up() const { return d_[1] > 0; }
+  [[nodiscard]] Mask is_level() const { return d_[1] == 0; }
+  [[nodiscard]] Lanes steepness() const { return abs(d_[1]); }
+
+  [[nodiscard]] Lanes distance_from_axis(const Wide& delta) const {
+    return norm(at(0, delta.hi), at(2, delta.hi));
+  }
+  [[nodiscard]] Lanes distance_from_origin(const Wide& delta) const {
+    return norm(distance_from_axis(delta), at(1, delta.hi));
+  }
 
  private:
+  [[nodiscard]] Lanes at(int i, Lanes delta) const { return p_[i].hi + delta * d_[i]; }
   /// Of a coordinate at delta, with room for an error of 16 u^2 |delta| of delta itself.
-  [[nodiscard]] double coordinate_error(const DoubleDouble& delta) const {
-    return 64 * kU2 * (std::fabs(delta.hi) * 2 + reach() + 16);
-  }
-  static double error_of(const DoubleDouble& p, const DoubleDouble& delta, double d,
-                         const DoubleDouble& sum) {
-    return kU2 * (3 * std::fabs(p.hi) + 3 * std::fabs(delta.hi * d) + 4 * std::fabs(sum.hi));
+  [[nodiscard]] Lanes coordinate_error(const Wide& delta) const {
+    const Lanes reach = max(abs(p_[0].hi), max(abs(p_[1].hi), abs(p_[2].hi)));
+    return 64 * kU2 * (abs(delta.hi) * 2 + reach + 16);
   }
 
-  Vec3 o_, d_;
+  Lanes o_[3], d_[3];
   double m_;
-  DoubleDouble six_m_, nine_m2_;
-  double centre_ = 0;
-  std::array<DoubleDouble, 3> p_;
-  bool usable_ = false;
+  Wide six_m_, nine_m2_;
+  Lanes centre_;
+  Wide p_[3];
+  Mask usable_;
 };
 
-/// Near the point of the line where it is deepest in the body, or least far from it: G' falls along the line,
-/// so its zero is bracketed by signs; Newton's steps where they stay inside the bracket, else halving.
-DoubleDouble deepest(const Line& line) {
+/// Near the point of each line where it is deepest in the body, or least far from it: G' falls along the
+/// line, so its zero is bracketed by signs; Newton's steps where they stay inside the bracket, else halving.
+Wide deepest(const Lines& lines) {
   constexpr int kSteps = 60, kSharp = 2;
-  auto [lo, hi] = line.slab();
-  double delta = lo <= 0 && hi >= 0 ? 0 : 0.5 * (lo + hi);
-  for (int i = 0; i < kSteps; ++i) {
-    const Line::Depth here = line.depth(delta);
-    if (here.dg == 0) break;
-    (here.dg > 0 ? lo : hi) = delta;
-    double next = delta - here.dg / here.ddg;
-    if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
-    const double step = std::fabs(next - delta);
-    delta = next;
-    if (step <= 0x1p-50 * (std::fabs(delta) + 1)) break;
+  auto [lo, hi] = lines.slab();
+  Lanes delta = select((lo <= 0) & (hi >= 0), Lanes{}, 0.5 * (lo + hi));
+  Mask moves = lines.is_usable();
+  for (int i = 0; i < kSteps && any(moves); ++i) {
+    const Lines::Depth here = lines.depth(delta);
+    moves &= ~(here.dg == 0);
+    const Mask rises = here.dg > 0;
+    lo = select(moves & rises, delta, lo);
+    hi = select(moves & ~rises, delta, hi);
+    const Lanes newton = delta - here.dg / here.ddg;
+    const Lanes next = select((newton > lo) & (newton < hi), newton, 0.5 * (lo + hi));
+    const Lanes step = abs(next - delta);
+    delta = select(moves, next, delta);
+    moves &= ~(step <= 0x1p-50 * (abs(delta) + 1));
   }
-  DoubleDouble sharp = delta;
+  Wide sharp = wide(delta);
+  moves = lines.is_usable();
   for (int i = 0; i < kSharp; ++i) {
-    const double bend = line.depth(sharp.hi).ddg;
-    const DoubleDouble next = sharp - line.depth_slope(sharp).value / bend;
+    const Wide next = sharp - lines.depth_slope(sharp).value / lines.depth(sharp.hi).ddg;
     // On the axis or at a pole's plane there is no such step.
-    if (!(std::fabs(next.hi - sharp.hi) <= 0x1p-30 * (std::fabs(sharp.hi) + 1))) break;
-    sharp = next;
+    moves &= abs(next.hi - sharp.hi) <= 0x1p-30 * (abs(sharp.hi) + 1);
+    sharp = select(moves, next, sharp);
   }
   return sharp;
 }
 
-/// G is concave: it lies below its tangent. So the line misses where G at one point is further below zero
-/// than the tangent's slope can make up for on the way to the body: no point of that is further from the
-/// origin of the frame than 8 m, and |d| >= 1.
-bool misses(const Line& line, const DoubleDouble& at, const Value& value, double m) {
-  if (!value.is_outside() || value.is_beside) return false;
-  const Line::Slope slope = line.depth_slope(at);
+/// G is concave: it lies below its tangent. So a line misses where G at one point is further below zero than
+/// the tangent's slope can make up for on the way to the body: no point of that is further from the origin of
+/// the frame than 8 m, and |d| >= 1.
+Mask misses(const Lines& lines, const Wide& at, const Value& value) {
+  const Lines::Slope slope = lines.depth_slope(at);
   // F = G (R + rho), and R + rho = 2 rho + G <= 2 rho.
-  const double below = (-value.f.hi - value.error) / (2.01 * line.distance_from_axis(at));
-  const double way = line.distance_from_origin(at) + 8 * m;
-  return below > 1.01 * (std::fabs(slope.value.hi) + slope.error) * way;
+  const Lanes below = (-value.f.hi - value.error) / (2.01 * lines.distance_from_axis(at));
+  const Lanes way = lines.distance_from_origin(at) + 8 * lines.m();
+  return value.is_outside() & ~value.is_beside & (below > 1.01 * (abs(slope.value.hi) + slope.error) * way);
 }
 
-/// The line beside the apex, in the distance e from the apex's plane into the slab: with h = |d_y| e the
-/// body's R^2 is between (9/16) h^2 (1 - h/4m) and (9/16) h^2 for h < m, so where q(e) = |x_xz|^2 - (9/16)
-/// d_y^2 e^2 = w + 2 b e + a e^2 is positive the line is outside, and where it is below -(9/64) |d_y e|^3 / m
-/// inside.
+/// Lines beside the apex, in the distance e from the apex's plane into the slab: with h = |d_y| e the body's
+/// R^2 is between (9/16) h^2 (1 - h/4m) and (9/16) h^2 for h < m, so where
+/// q(e) = |x_xz|^2 - (9/16) d_y^2 e^2 = w + 2 b e + a e^2 is positive the line is outside, and where it is
+/// below -(9/64) |d_y e|^3 / m inside. For lines that are flatter than the cone, a > 0.
 class Tip {
  public:
-  Tip(const Line& line, double m)
-      : top_(line.at_top()), cubic_(0.15 * std::pow(std::fabs(line.rise()), 3) / m) {
+  explicit Tip(const Lines& lines) : top_(lines.at_top()), runs_up_(lines.runs_up()), m_(lines.m()) {
+    const Lanes rise = lines.steepness();
+    cubic_ = 0.15 * rise * rise * rise / m_;
     // Products of numbers within top_.error, and at most 16 roundings in double-double.
-    const double size = norm(top_.xz) + top_.error;
+    const Lanes size = top_.size + top_.error;
     e_w_ = 4 * size * top_.error + 16 * kU2 * size * size;
     e_b_ = 8 * top_.error + 64 * kU2 * size;
-    is_flatter_ = !line.is_level() && top_.a.hi > 0x1p-60 && top_.w.hi > 4 * e_w_;
+    is_flatter_ = ~lines.is_level() & (top_.a.hi > 0x1p-60) & (top_.w.hi > 4 * e_w_);
+    discriminant_ = (sqr(top_.b) - top_.a * top_.w).hi;
+    // a is within 16 u^2 of a sum of sizes below 8.
+    discriminant_error_ =
+        2 * e_b_ * (abs(top_.b.hi) + e_b_) + 8 * e_w_ + 256 * kU2 * (top_.w.hi + top_.b.hi * top_.b.hi);
   }
 
-  /// Lines that are flatter than the cone and have no e > 0 with q(e) <= 0.
-  [[nodiscard]] bool is_missed() const {
-    if (!is_flatter_) return false;
-    return top_.b.hi > e_b_ || discriminant().hi < -discriminant_error();
+  /// No e > 0 with q(e) <= 0.
+  [[nodiscard]] Mask is_missed() const {
+    return is_flatter_ & ((top_.b.hi > e_b_) | (discriminant_ < -discriminant_error_));
   }
-  /// Where q vanishes, if the signs around prove that the surface is crossed there; ascending.
-  [[nodiscard]] std::optional<std::array<double, 2>> crossings(double m) const {
-    if (!is_flatter_ || !(top_.b.hi < -e_b_) || !(discriminant().hi > discriminant_error()))
-      return std::nullopt;
-    const double far = (-top_.b.hi + std::sqrt(discriminant().hi)) / top_.a.hi;
-    const double near = top_.w.hi / top_.a.hi / far;
-    const double aside = (far - near) / 64;
-    const bool is_proved = near > aside && far < 0x1p-20 * m && is_outside(near - aside) &&
-                           is_inside(near + aside) && is_inside(far - aside) && is_outside(far + aside);
-    if (!is_proved) return std::nullopt;
-    return std::array{near, far};
+  /// Where q vanishes, near < far, if the signs at a 64th of their distance on both sides prove crossings.
+  struct Crossings {
+    Lanes near, far, aside;
+    Mask proved;
+  };
+  [[nodiscard]] Crossings crossings() const {
+    const Lanes far = (-top_.b.hi + sqrt(max(discriminant_, Lanes{}))) / top_.a.hi;
+    const Lanes near = top_.w.hi / top_.a.hi / far;
+    const Lanes aside = (far - near) / 64;
+    const Mask proved = is_flatter_ & (top_.b.hi < -e_b_) & (discriminant_ > discriminant_error_) &
+                        (near > aside) & (far < 0x1p-20 * m_) & is_outside(near - aside) &
+                        is_inside(near + aside) & is_inside(far - aside) & is_outside(far + aside);
+    return {near, far, aside, proved};
   }
   /// delta at e.
-  [[nodiscard]] DoubleDouble delta(double e) const { return top_.delta + (top_.runs_up ? -e : e); }
+  [[nodiscard]] Wide delta(Lanes e) const { return top_.delta + select(runs_up_, -e, e); }
 
  private:
-  [[nodiscard]] DoubleDouble discriminant() const { return sqr(top_.b) - top_.a * top_.w; }
-  [[nodiscard]] double discriminant_error() const {
-    // a is within 16 u^2 of a sum of sizes below 8.
-    return 2 * e_b_ * (std::fabs(top_.b.hi) + e_b_) + 8 * e_w_ + 256 * kU2 * (top_.w.hi + sqr(top_.b.hi));
+  [[nodiscard]] Lanes q(Lanes e) const { return (top_.w + (top_.b * all(2.0) + top_.a * e) * e).hi; }
+  [[nodiscard]] Lanes q_error(Lanes e) const {
+    return e_w_ + 2 * e_b_ * e + 256 * kU2 * (top_.w.hi + 2 * abs(top_.b.hi) * e + 8 * e * e);
   }
-  [[nodiscard]] DoubleDouble q(double e) const { return top_.w + (top_.b * 2 + top_.a * e) * e; }
-  [[nodiscard]] double q_error(double e) const {
-    return e_w_ + 2 * e_b_ * e + 256 * kU2 * (top_.w.hi + 2 * std::fabs(top_.b.hi) * e + 8 * e * e);
-  }
-  [[nodiscard]] bool is_outside(double e) const { return q(e).hi > q_error(e); }
-  [[nodiscard]] bool is_inside(double e) const { return q(e).hi < -q_error(e) - cubic_ * e * e * e; }
-  static double sqr(double x) { return x * x; }
-  static DoubleDouble sqr(const DoubleDouble& x) { return graze::sqr(x); }
+  [[nodiscard]] Mask is_outside(Lanes e) const { return q(e) > q_error(e); }
+  [[nodiscard]] Mask is_inside(Lanes e) const { return q(e) < -q_error(e) - cubic_ * e * e * e; }
 
-  Line::Top top_;
-  double cubic_, e_w_ = 0, e_b_ = 0;
-  bool is_flatter_ = false;
+  Lines::Top top_;
+  Mask runs_up_, is_flatter_;
+  double m_;
+  Lanes cubic_, e_w_, e_b_, discriminant_, discriminant_error_;
 };
 
-/// The crossing in direction `sense` of an inside point, in double. Newton's steps on G, which is concave:
+/// The crossings in direction `sense` of inside points, in double. Newton's steps on G, which is concave:
 /// from outside they never pass the root. On F in the lower half, where G rises like a root from the bottom.
-double approach(const Line& line, double inside, double sense) {
+Lanes approach(const Lines& lines, Lanes inside, Lanes g, Lanes sense, Mask wanted) {
   constexpr int kSteps = 40;
   constexpr double kShallow = 0x1p-30;
-  auto [lo, hi] = line.slab();
-  double in = inside, out = sense > 0 ? hi : lo;
-  // F = 2 rho G + G^2. Near the deepest point G is a parabola; where it is shallow, to all of a double's
-  // digits.
-  const double size = 2 * line.distance_from_axis(inside);
-  const double g = line.value(inside).f.hi / size;
-  double delta = inside + sense * std::sqrt(2 * std::max(g, 0.0) / -line.depth(inside).ddg);
-  if (g < kShallow * size) return delta;
-  for (int i = 0; i < kSteps; ++i) {
-    if (!(sense * delta > sense * in && sense * delta < sense * out)) delta = 0.5 * (in + out);
-    const Line::Descent here = line.descent(delta);
-    (here.value > 0 ? in : out) = delta;
-    const double next = delta - here.value / here.slope;
-    const double step = std::fabs(next - delta);
-    delta = next;
-    if (step <= 0x1p-51 * std::fabs(delta) || delta == in || delta == out) break;
+  const auto [lo, hi] = lines.slab();
+  Lanes in = inside, out = select(sense > 0, hi, lo);
+  // Near the deepest point G is a parabola; where it is shallow, to all of a double's digits.
+  Lanes delta = inside + sense * sqrt(2 * max(g, Lanes{}) / -lines.depth(inside).ddg);
+  Mask moves = wanted & ~(g < kShallow * 2 * lines.distance_from_axis(wide(inside)));
+  for (int i = 0; i < kSteps && any(moves); ++i) {
+    const Mask between = (sense * delta > sense * in) & (sense * delta < sense * out);
+    delta = select(moves & ~between, 0.5 * (in + out), delta);
+    const Lines::Descent here = lines.descent(delta);
+    const Mask above = here.value > 0;
+    in = select(moves & above, delta, in);
+    out = select(moves & ~above, delta, out);
+    const Lanes next = delta - here.value / here.slope;
+    const Lanes step = abs(next - delta);
+    delta = select(moves, next, delta);
+    moves &= ~((step <= 0x1p-51 * abs(delta)) | (delta == in) | (delta == out));
   }
-  return std::clamp(delta, std::min(in, out), std::max(in, out));
+  // Beyond the poles' planes G is no number.
+  const Lanes end = select(sense > 0, hi, lo);
+  return select(is_finite(delta), min(max(delta, lo), hi), end);
 }
 
-/// The crossing between an inside point and the outside in direction `sense`, its sides proved.
-std::optional<LineCrossing> crossing(const Line& line, const DoubleDouble& inside, double sense) {
-  constexpr int kWiden = 30, kRefine = 80;
-  DoubleDouble in = inside, out;
-  Value at_out;
-  double near = approach(line, inside.hi, sense);
-  // At the apex's plane and beyond G is no number.
-  if (!std::isfinite(near)) near = line.slab()[sense > 0 ? 1 : 0];
-  const double size = std::fabs(near) + std::fabs(line.centre()) + 1;
-  // Widened until both sides are proved; only the outer one must be.
-  bool is_passed = false;
-  double width = 0x1p-50 * size;
-  for (int i = 0; i < kWiden && !is_passed; ++i, width *= 16) {
-    out = near + sense * width;
-    at_out = line.value(out);
-    is_passed = at_out.is_outside();
-    const DoubleDouble closer = near - sense * width;
-    const bool between = sense > 0 ? closer > in : closer < in;
-    if (between && line.value(closer).is_inside()) in = closer;
+/// Crossings between inside points and the outside, their sides proved.
+struct Brackets {
+  Wide root, in, out;
+  Mask proved;
+};
+
+/// Widened about the approximation until the outer side is proved, and the inner one if it can be.
+void widen(const Lines& lines, Lanes near, Lanes sense, Mask wanted, Brackets& bracket, Value& at_out) {
+  constexpr int kWiden = 30;
+  Lanes width = 0x1p-52 * (abs(near) + abs(lines.centre()) + 1);
+  Mask looks = wanted;
+  for (int i = 0; i < kWiden && any(looks); ++i) {
+    const Wide further = two_sum(near, sense * width), closer = two_sum(near, -sense * width);
+    const Value outer = lines.value(further), inner = lines.value(closer);
+    const Mask passed = looks & outer.is_outside();
+    bracket.out = select(passed, further, bracket.out);
+    at_out.f = select(passed, outer.f, at_out.f);
+    at_out.error = select(passed, outer.error, at_out.error);
+    const Mask between = select(sense > 0, closer, bracket.in) > select(sense > 0, bracket.in, closer);
+    bracket.in = select(looks & between & inner.is_inside(), closer, bracket.in);
+    bracket.proved |= passed;
+    looks &= ~passed;
+    width = width * 16;
   }
-  if (!is_passed) return std::nullopt;
-  // Newton's step from the outer end with the sharp value there; every third step halves, so that a slope
-  // that misleads costs no more than a factor. Every end keeps its proved side.
-  for (int i = 0; i < kRefine; ++i) {
-    const DoubleDouble gap = out - in;
-    if (std::fabs(gap.hi) <= 0x1p-58 * (std::fabs(in.hi) + std::fabs(line.centre()))) break;
-    const Line::Descent s = line.descent(out.hi);
-    const double value =
-        s.on_depth ? at_out.f.hi / (2 * line.distance_from_axis(out) + s.value) : at_out.f.hi;
-    double step = value / (sense * s.slope);
-    const bool is_newton = i % 3 != 2 && step > 0 && step < std::fabs(gap.hi);
-    if (!is_newton) step = 0.5 * std::fabs(gap.hi);
-    const double noise =
-        is_newton ? std::max(2 * std::fabs(at_out.error / at_out.f.hi) * step, 0x1p-60 * size) : 0;
-    const DoubleDouble root = out - sense * step;
-    bool is_open = false;
-    for (const double shift : {noise, -noise}) {
-      const DoubleDouble probe = root + sense * shift;
-      const bool between = sense > 0 ? probe > in && probe < out : probe < in && probe > out;
-      if (!between) continue;
-      const Value there = line.value(probe);
-      if (there.is_inside()) {
-        in = probe;
-      } else if (there.is_outside()) {
-        out = probe;
-        at_out = there;
-      } else {
-        is_open = true;
-      }
-      if (!is_newton) break;
+}
+
+/// Newton's step from the outer end with the sharp value there; every third step halves, so that a slope that
+/// misleads costs no more than a factor. Every end keeps its proved side; where the sign is lost in rounding
+/// the surface is as near as can be told.
+void narrow(const Lines& lines, Lanes sense, Brackets& bracket, Value& at_out) {
+  constexpr int kRefine = 80;
+  Mask moves = bracket.proved;
+  for (int i = 0; i < kRefine && any(moves); ++i) {
+    const Wide gap = bracket.out - bracket.in;
+    const Lanes l = lines.l(bracket.in);
+    bracket.root = select(moves, bracket.in + gap * all(0.5), bracket.root);
+    moves &= ~(abs(gap.hi) <= 0x1p-51 * (abs(l) + 1));
+    if (!any(moves)) return;
+    const Lines::Descent s = lines.descent(bracket.out.hi);
+    const Lanes on_depth = at_out.f.hi / (2 * lines.distance_from_axis(bracket.out) + s.value);
+    const Lanes newton = select(s.on_depth, on_depth, at_out.f.hi) / (sense * s.slope);
+    const Mask is_newton = (newton > 0) & (newton < abs(gap.hi)) & (all(i % 3 == 2 ? 0.0 : 1.0) > 0);
+    const Lanes step = select(is_newton, newton, 0.5 * abs(gap.hi));
+    const Lanes doubt = max(2 * abs(at_out.error / at_out.f.hi) * step,
+                            0x1p-54 * (abs(bracket.out.hi) + abs(lines.centre()) + 1));
+    const Lanes noise = select(is_newton, doubt, Lanes{});
+    const Wide root = bracket.out + -sense * step;
+    bracket.root = select(moves, root, bracket.root);
+    for (const double side : {1.0, -1.0}) {
+      const Wide probe = root + sense * noise * side;
+      const Mask beyond_in = select(sense > 0, probe, bracket.in) > select(sense > 0, bracket.in, probe);
+      const Mask before_out = select(sense > 0, bracket.out, probe) > select(sense > 0, probe, bracket.out);
+      const Value there = lines.value(probe);
+      const Mask inside = there.is_inside(), outside = there.is_outside();
+      const Mask asked = moves & beyond_in & before_out;
+      bracket.in = select(asked & inside, probe, bracket.in);
+      bracket.out = select(asked & ~inside & outside, probe, bracket.out);
+      at_out.f = select(asked & ~inside & outside, there.f, at_out.f);
+      at_out.error = select(asked & ~inside & outside, there.error, at_out.error);
+      moves &= ~(asked & ~inside & ~outside);
     }
-    // Where the sign is lost in rounding the surface is as near as can be told.
-    if (is_open) return LineCrossing{root, std::min(in, out), std::max(in, out)};
   }
-  return LineCrossing{in + 0.5 * (out - in), std::min(in, out), std::max(in, out)};
+}
+
+Brackets crossing(const Lines& lines, const Wide& inside, const Value& value, Lanes sense, Mask wanted) {
+  // F = 2 rho G + G^2.
+  const Lanes g = value.f.hi / (2 * lines.distance_from_axis(inside));
+  const Lanes near = approach(lines, inside.hi, g, sense, wanted);
+  Brackets bracket{inside, inside, inside, Mask{}};
+  Value at_out = value;
+  widen(lines, near, sense, wanted, bracket, at_out);
+  narrow(lines, sense, bracket, at_out);
+  return bracket;
+}
+
+/// What is proved of kLanes lines, as arrays.
+struct Proofs {
+  Mask misses, crosses, inside, outside;
+  struct Side {
+    Lanes l, lo, hi;
+  } entry, exit;
+};
+
+Proofs::Side side_of(const Lines& lines, const Wide& root, const Wide& a, const Wide& b) {
+  const Lanes at_a = lines.l(a), at_b = lines.l(b);
+  return {lines.l(root), min(at_a, at_b), max(at_a, at_b)};
+}
+Proofs::Side select(Mask mask, const Proofs::Side& a, const Proofs::Side& b) {
+  return {GRAZE_LANES::select(mask, a.l, b.l), GRAZE_LANES::select(mask, a.lo, b.lo),
+          GRAZE_LANES::select(mask, a.hi, b.hi)};
+}
+
+Proofs prove(const Lines& lines, bool first_only) {
+  Proofs proofs;
+  const Value at_origin = lines.value_at_origin();
+  proofs.inside = at_origin.is_inside();
+  proofs.outside = at_origin.is_outside();
+  const Wide top = deepest(lines);
+  const Value value = lines.value(top);
+  const Mask usable = lines.is_usable(), pierced = usable & value.is_inside();
+
+  const Brackets entry = crossing(lines, top, value, all(-1.0), pierced);
+  proofs.entry = side_of(lines, entry.root, entry.in, entry.out);
+  const Mask enough = all(first_only ? 1.0 : 0.0) > 0;
+  const Mask leaves = pierced & entry.proved & ~(enough & (proofs.entry.lo > 0));
+  const Brackets exit = crossing(lines, top, value, all(1.0), leaves);
+  proofs.exit = side_of(lines, exit.root, exit.in, exit.out);
+  proofs.crosses = pierced & entry.proved & (~leaves | exit.proved);
+  proofs.misses = Mask{};
+  const Mask rest = usable & ~pierced;
+  if (!any(rest)) return proofs;
+
+  const Tip tip(lines);
+  proofs.misses = rest & (misses(lines, top, value) | tip.is_missed());
+  const Tip::Crossings e = tip.crossings();
+  const Mask tipped = rest & ~proofs.misses & e.proved;
+  if (!any(tipped)) return proofs;
+  const auto at = [&](Lanes x) {
+    return side_of(lines, tip.delta(x), tip.delta(x - e.aside), tip.delta(x + e.aside));
+  };
+  const Proofs::Side near = at(e.near), far = at(e.far);
+  proofs.entry = select(tipped, select(lines.runs_up(), far, near), proofs.entry);
+  proofs.exit = select(tipped, select(lines.runs_up(), near, far), proofs.exit);
+  proofs.crosses |= tipped;
+  return proofs;
+}
+
+void write(const Proofs& proofs, std::size_t count, LineAnswer* answers) {
+  using Proved = LineAnswer::Proved;
+  using Origin = LineAnswer::Origin;
+  const unsigned misses = to_bits(proofs.misses), crosses = to_bits(proofs.crosses),
+                 inside = to_bits(proofs.inside), outside = to_bits(proofs.outside);
+  const auto bit = [](unsigned bits, std::size_t i) { return (bits >> i & 1U) != 0; };
+  for (std::size_t i = 0; i < count; ++i) {
+    LineAnswer& answer = answers[i];
+    answer.proved = bit(misses, i) ? Proved::misses : bit(crosses, i) ? Proved::crosses : Proved::open;
+    answer.origin = bit(inside, i) ? Origin::inside : bit(outside, i) ? Origin::outside : Origin::on;
+    answer.entry = {proofs.entry.l[i], proofs.entry.lo[i], proofs.entry.hi[i]};
+    answer.exit = {proofs.exit.l[i], proofs.exit.lo[i], proofs.exit.hi[i]};
+  }
 }
 
 }  // namespace
 
-LineAnswer prove_line(const Ray& local, double m, bool first_only) {
-  const Line line(local, m);
-  LineAnswer answer;
-  answer.centre = line.centre();
-  if (!line.is_usable()) return answer;
-  const Value at_origin = line.value_at_origin();
-  answer.origin = at_origin.is_inside()    ? Origin::inside
-                  : at_origin.is_outside() ? Origin::outside
-                                           : Origin::on;
-  const DoubleDouble top = deepest(line);
-  const Value value = line.value(top);
-  if (value.is_inside()) {
-    const auto entry = crossing(line, top, -1);
-    if (!entry) return answer;
-    const bool is_ahead = (entry->lo + line.centre()).hi > 0;
-    const auto exit = first_only && is_ahead ? entry : crossing(line, top, 1);
-    if (!exit) return answer;
-    answer.proved = Proved::crosses;
-    answer.entry = *entry;
-    answer.exit = *exit;
-    return answer;
+void prove_teardrop_lines(const TeardropLines& lines, LineAnswer* answers) {
+  for (std::size_t i = 0; i < lines.count; i += kLanes) {
+    const std::size_t count = lines.count - i < kLanes ? lines.count - i : kLanes;
+    // Lanes without a line of their own repeat the first.
+    Ray rays[kLanes];
+    for (std::size_t k = 0; k < kLanes; ++k) rays[k] = lines.lines[k < count ? i + k : i];
+    write(prove(Lines(&rays[0].o.x, lines.m), lines.first_only), count, answers + i);
   }
-  const Tip tip(line, m);
-  if (misses(line, top, value, m) || tip.is_missed()) {
-    answer.proved = Proved::misses;
-  } else if (const auto e = tip.crossings(m)) {
-    const double aside = ((*e)[1] - (*e)[0]) / 64;
-    const auto at = [&](double x) {
-      const DoubleDouble a = tip.delta(x - aside), b = tip.delta(x + aside);
-      return LineCrossing{tip.delta(x), std::min(a, b), std::max(a, b)};
-    };
-    answer.proved = Proved::crosses;
-    answer.entry = at((*e)[line.rise() > 0 ? 1 : 0]);
-    answer.exit = at((*e)[line.rise() > 0 ? 0 : 1]);
-  }
-  return answer;
 }
 
-}  // namespace graze
+}  // namespace graze::GRAZE_LANES
