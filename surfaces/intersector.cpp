@@ -355,8 +355,9 @@ void Scene::intersect(std::span<const Ray> rays, Query query, Wanted wanted, Wor
   work.tasks.resize(intersectors_.size());
   work.query = query;
   const AnyKernel* const kernel = lone_kernel(wanted);
-  for (std::size_t i = 0; i < rays.size(); i += kBlock) {
-    const std::span<const Ray> block = rays.subspan(i, std::min(kBlock, rays.size() - i));
+  const std::size_t size = kernel != nullptr ? kKernelBlock : kBlock;
+  for (std::size_t i = 0; i < rays.size(); i += size) {
+    const std::span<const Ray> block = rays.subspan(i, std::min(size, rays.size() - i));
     if (kernel != nullptr) {
       answer_by_kernel(*kernel, block, work, out);
     } else {
@@ -378,7 +379,7 @@ void Scene::answer_by_kernel(const AnyKernel& kernel, std::span<const Ray> rays,
   kernel.intersect(rays, work.query == Query::all, answers);
   const KernelAnswers::Extremes extremes = answers.extremes();
   if (extremes.fewest >= 0) {
-    work.first_tier.resize(kBlock, {.tier = 1});
+    work.first_tier.resize(kKernelBlock, {.tier = 1});
     append_answers(answers, extremes, work.first_tier, out);
   } else {
     complete_answers(answers, rays, work, out);
@@ -403,8 +404,11 @@ void Scene::complete_answers(const KernelAnswers& answers, std::span<const Ray> 
     }
   }
   work.block.kernel_hits.clear();
-  intersectors_.front().solve_tasks(rays, open, work.block);
-  collect(0, open, work);
+  for (std::size_t i = 0; i < open.size(); i += kBlock) {
+    const std::span<const Task> tasks = std::span(open).subspan(i, std::min(kBlock, open.size() - i));
+    intersectors_.front().solve_tasks(rays, tasks, work.block);
+    collect(0, tasks, work);
+  }
   sort_hits(work);
   std::size_t next = 0;
   for (std::uint32_t i = 0; i < rays.size(); ++i) {

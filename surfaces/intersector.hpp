@@ -155,6 +155,9 @@ class Scene {
   static constexpr std::size_t kBlock = Intersector::kBlock;
 
  private:
+  static constexpr std::size_t kKernelBlock =
+      4 * kBlock;  ///< hard rays are few: kernels gather them from many
+
   struct Member {
     std::size_t intersector = 0;
     std::size_t number = 0;  ///< in the intersector

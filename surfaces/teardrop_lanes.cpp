@@ -80,7 +80,7 @@ struct Queue {
 };
 
 struct Block {
-  Queue entries, exits, hard;
+  Queue entries, exits;
   alignas(64) double in[kPadded], out[kPadded];  ///< by ray: as Queue::entry; out = kInfinity: not asked for
   alignas(64) double back[kPadded];              ///< l of the caller = l here * back
 };
@@ -227,7 +227,7 @@ inline void append(Queue& queue, unsigned lanes, std::size_t at, const Rays& a, 
 
 /// Rays against the first majorant, in floats: those that may hit are queued.
 void cull(const Frame& frame, const TeardropBatch& batch, const Majorant<Floats>& ellipsoid,
-          const double* rays, std::size_t at, std::size_t count, Block& block) {
+          const double* rays, std::size_t at, std::size_t count, bool is_hard, Block& block) {
   // What lies behind the origin is proved to, and what is ahead is, by more than the roundings of 40
   // operations.
   constexpr float kMargin = 0x1p-16F;
@@ -248,7 +248,8 @@ void cull(const Frame& frame, const TeardropBatch& batch, const Majorant<Floats>
     store(&block.out[at + i], all(kInfinity));
   }
   const unsigned left = ((1U << count) - 1) & ~to_bits(missed | behind);
-  const unsigned leaving = batch.both ? left : left & ~to_bits(ahead);
+  // A line that is hard to see from one side may be easy to see from the other.
+  const unsigned leaving = batch.both || is_hard ? left : left & ~to_bits(ahead);
   append<false>(block.entries, left, at, a, b, line, in_at);
   if (leaving != 0) append<true>(block.exits, leaving, at, a, b, line, out_at);
 }
@@ -308,18 +309,40 @@ void guess(const Frame& frame, Queue& queue) {
   }
 }
 
+/// Whether a line is inside the majorant at the entry's height only below the bottom or above the apex.
+Mask passes_beside(const Frame& frame, const Line<Lanes>& line, Lanes delta) {
+  constexpr double kEdge = 0x1p-20, kMargin = 0x1p-40;  // far more than the roundings of 40 operations
+  const Lanes height = fma(delta, line.dy, line.py) * frame.per_height;
+  const Quadratic<Lanes> q = against(frame, line, majorant_at(min(max(height, all(kEdge)), all(1 - kEdge))));
+  const Lanes root = sqrt(max(q.discriminant, Lanes{}) + q.error) + kMargin * q.size;
+  const Lanes in = (root - q.b) / q.a * line.dy, out = -(q.b + root) / q.a * line.dy;
+  const Lanes margin = kMargin * (abs(line.py) + abs(in) + abs(out));
+  const Lanes high = line.py + max(in, out) + margin, low = line.py + min(in, out) - margin;
+  return (q.a < 0) & ((high < 0) | (low > frame.above));
+}
+
 /// The same in doubles with more steps, for the few that those do not settle.
 void guess_hard(const Frame& frame, Queue& queue) {
-  for (std::size_t i = 0; i < queue.size; i += kLanes) {
-    const Line<Lanes> line = line_at(queue, i);
-    Lanes delta = load(&queue.entry[i]);
-    for (int step = 0; step < 5; ++step) {
-      const Lanes next = step_by_majorant(frame, line, delta);
-      delta = select(delta == kInfinity, delta, next);
-    }
-    for (int step = 0; step < 4; ++step) delta = step_by_euler(frame, line, delta);
-    store(&queue.entry[i], delta);
+  constexpr int kMajorants = 5, kEulers = 4;
+  const auto each = [&](const auto& step) {
+    for (std::size_t i = 0; i < queue.size; i += kLanes)
+      store(&queue.entry[i], step(line_at(queue, i), load(&queue.entry[i])));
+  };
+  for (std::size_t i = 0; i < queue.size; i += 2 * kLanes) {
+    const auto [a, b] = widen(load(&queue.start[i]));
+    store(&queue.entry[i], a);
+    store(&queue.entry[i + kLanes], b);
   }
+  for (int step = 0; step < kMajorants; ++step) {
+    each([&](const Line<Lanes>& line, Lanes delta) {
+      return select(delta == kInfinity, delta, step_by_majorant(frame, line, delta));
+    });
+  }
+  each([&](const Line<Lanes>& line, Lanes delta) {
+    return select(passes_beside(frame, line, delta), all(kInfinity), delta);
+  });
+  for (int step = 0; step < kEulers; ++step)
+    each([&](const Line<Lanes>& line, Lanes delta) { return step_by_euler(frame, line, delta); });
 }
 
 /// Chebyshev's step, of third order: its reciprocals are one division.
@@ -340,9 +363,8 @@ void polish(const Frame& frame, Queue& queue) {
 }
 
 /// The proof: outside before a bracket about the approximation, inside behind it. The solid is convex, so a
-/// line that goes in is met nowhere else going in. Leaves l, and the lines that stay open in `open`.
-std::size_t certify(const Frame& frame, Queue& queue, std::int32_t* open) {
-  std::size_t count = 0;
+/// line that goes in is met nowhere else going in. Leaves l.
+void certify(const Frame& frame, Queue& queue) {
   for (std::size_t i = 0; i < queue.size; i += kLanes) {
     const Lanes centre = load(&queue.centre[i]), delta = load(&queue.entry[i]);
     const Lanes l = centre + delta;
@@ -360,12 +382,7 @@ std::size_t certify(const Frame& frame, Queue& queue, std::int32_t* open) {
     const Lanes entry = select((better >= low) & (better <= high), better, l);
     const Mask found = outside & inside & decided & (low < high), missed = delta == kInfinity;
     store(&queue.entry[i], select(missed, delta, select(found, entry, all(kOpen))));
-    for (unsigned left = to_bits(~(found | missed)); left != 0; left &= left - 1)
-      open[count++] = static_cast<std::int32_t>(i) + __builtin_ctz(left);
   }
-  // Those behind the last line are nobody's.
-  while (count > 0 && static_cast<std::size_t>(open[count - 1]) >= queue.size) --count;
-  return count;
 }
 
 /// The lanes behind the last line compute too: on numbers, not on whatever lies there.
@@ -381,37 +398,24 @@ void pad(Queue& queue) {
   pad<7>({queue.p[0], queue.p[1], queue.p[2], queue.q[0], queue.q[1], queue.q[2], queue.start}, queue.size);
 }
 
-/// Most lines are settled by the fewest steps; the others get a second look.
-void find(const Frame& frame, Queue& queue, Queue& hard) {
+void find(const Frame& frame, bool is_hard, Queue& queue) {
   if (queue.size == 0) return;
   pad(queue);
-  guess(frame, queue);
-  polish(frame, queue);
-  hard.size = certify(frame, queue, hard.ray);
-  if (hard.size == 0) return;
-  for (std::size_t i = 0; i < hard.size; ++i) {
-    const std::size_t from = static_cast<std::size_t>(hard.ray[i]);
-    for (std::size_t k = 0; k < 3; ++k) {
-      hard.o[k][i] = queue.o[k][from];
-      hard.d[k][i] = queue.d[k][from];
-    }
-    hard.centre[i] = queue.centre[from];
-    hard.entry[i] = static_cast<double>(queue.start[from]);
+  if (is_hard) {
+    guess_hard(frame, queue);
+  } else {
+    guess(frame, queue);
   }
-  pad(hard);
-  guess_hard(frame, hard);
-  polish(frame, hard);
-  std::int32_t still_open[kPadded];
-  certify(frame, hard, still_open);
-  for (std::size_t i = 0; i < hard.size; ++i) queue.entry[hard.ray[i]] = hard.entry[i];
+  polish(frame, queue);
+  certify(frame, queue);
 }
 
 /// From what is proved of the lines to what is proved of the rays.
-std::size_t conclude(const TeardropBatch& batch, std::size_t size, Block& block, const TeardropAnswers& to) {
+std::size_t conclude(bool wants_both, std::size_t size, Block& block, const TeardropAnswers& to) {
   for (std::size_t i = 0; i < block.entries.size; ++i)
     block.in[block.entries.ray[i]] = block.entries.entry[i];
   for (std::size_t i = 0; i < block.exits.size; ++i) block.out[block.exits.ray[i]] = -block.exits.entry[i];
-  const Mask both = all(batch.both ? 1.0 : 0.0) > 0;
+  const Mask both = all(wants_both ? 1.0 : 0.0) > 0;
   std::size_t open = 0;
   for (std::size_t i = 0; i < size; i += kLanes) {
     const Lanes in = load(&block.in[i]), out = load(&block.out[i]), back = load(&block.back[i]);
@@ -421,28 +425,77 @@ std::size_t conclude(const TeardropBatch& batch, std::size_t size, Block& block,
     // What leaves the range of double in the caller's units is left open.
     const Mask first_fits = gone | ((first > 0) & (first < kInfinity));
     const Mask second_fits = ~both | ~ahead | (second < kInfinity);
-    const Mask known = (in < out) & (ahead | (out < kInfinity)) & first_fits & second_fits;
+    // The first hit needs no exit.
+    const Mask ordered = (in < out) | (~both & ahead & (out != out));
+    const Mask known = ordered & (ahead | (out < kInfinity)) & first_fits & second_fits;
     const Lanes some = select(both & ahead, all(2.0), all(1.0));
     const Lanes count = select(gone, Lanes{}, some);
     store_bytes(to.hits + i, select(missed, Lanes{}, select(known, count, all(-1.0))));
     store(to.first + i, first);
-    if (batch.both) store(to.second + i, second);
-    open += static_cast<unsigned>(__builtin_popcount(to_bits(~(missed | known))));
+    if (wants_both) store(to.second + i, second);
+    const std::size_t rest = size - i;
+    const unsigned real = rest < kLanes ? (1U << rest) - 1 : (1U << kLanes) - 1;
+    open += static_cast<unsigned>(__builtin_popcount(to_bits(~(missed | known)) & real));
   }
   return open;
 }
 
-/// The answers of a block that is not whole: what its vectors write behind the last ray stays here.
-std::size_t conclude_last(const TeardropBatch& batch, std::size_t size, Block& block,
-                          const TeardropAnswers& to) {
+/// At most kBlock rays; returns how many it leaves open.
+std::size_t solve_block(const Frame& frame, const TeardropBatch& batch, bool is_hard, Block& block,
+                        const TeardropAnswers& to) {
+  constexpr std::size_t kStep = 2 * kLanes;
+  // The tangent ellipsoid at v = 0.42, where the body is widest but for 1 %: the fewest lines are left.
+  const Majorant<Floats> ellipsoid = majorant_at(all(0.42F));
+  block.entries.size = block.exits.size = 0;
+  const double* const rays = &batch.rays->o.x;
+  std::size_t i = 0;
+  for (; i + kStep <= batch.count; i += kStep)
+    cull(frame, batch, ellipsoid, rays + 6 * i, i, kStep, is_hard, block);
+  if (i < batch.count) {
+    double last[6 * kStep] = {};
+    __builtin_memcpy(last, rays + 6 * i, 6 * sizeof(double) * (batch.count - i));
+    cull(frame, batch, ellipsoid, last, i, batch.count - i, is_hard, block);
+  }
+  find(frame, is_hard, block.entries);
+  find(frame, is_hard, block.exits);
+  return conclude(batch.both, batch.count, block, to);
+}
+
+/// Answers of a block that is not whole, or not in one place.
+struct Aside {
   alignas(64) double first[kPadded], second[kPadded];
   alignas(64) std::int8_t hits[kPadded];
-  conclude(batch, size, block, {hits, first, second});
-  __builtin_memcpy(to.hits, hits, size);
-  __builtin_memcpy(to.first, first, sizeof(double) * size);
-  if (batch.both) __builtin_memcpy(to.second, second, sizeof(double) * size);
-  std::size_t open = 0;
-  for (std::size_t i = 0; i < size; ++i) open += hits[i] < 0 ? 1 : 0;
+  Ray rays[kBlock];
+  std::int32_t place[kBlock];
+
+  [[nodiscard]] TeardropAnswers answers() { return {hits, first, second}; }
+  void move(std::size_t from, const TeardropAnswers& to, std::size_t at, bool both) const {
+    to.hits[at] = hits[from];
+    to.first[at] = first[from];
+    if (both) to.second[at] = second[from];
+  }
+};
+
+/// The rays that most steps of the first look do not settle, gathered from all blocks, so that their loops
+/// are long; returns how many stay open.
+std::size_t look_again(const Frame& frame, const TeardropBatch& batch, Block& block, Aside& aside,
+                       const TeardropAnswers& answers) {
+  std::size_t open = 0, next = 0;
+  while (next < batch.count) {
+    std::size_t size = 0;
+    for (; next < batch.count && size < kBlock; ++next) {
+      if (answers.hits[next] >= 0) continue;
+      aside.rays[size] = batch.rays[next];
+      aside.place[size++] = static_cast<std::int32_t>(next);
+    }
+    if (size == 0) break;
+    TeardropBatch hard = batch;
+    hard.rays = aside.rays;
+    hard.count = size;
+    open += solve_block(frame, hard, true, block, aside.answers());
+    for (std::size_t i = 0; i < size; ++i)
+      aside.move(i, answers, static_cast<std::size_t>(aside.place[i]), batch.both);
+  }
   return open;
 }
 
@@ -450,28 +503,20 @@ std::size_t conclude_last(const TeardropBatch& batch, std::size_t size, Block& b
 
 std::size_t intersect_teardrop(const TeardropBatch& batch, const TeardropAnswers& answers) {
   const Frame frame = frame_of(batch.m);
-  // The tangent ellipsoid at v = 0.42, where the body is widest but for 1 %: the fewest lines are left.
-  const Majorant<Floats> ellipsoid = majorant_at(all(0.42F));
-  constexpr std::size_t kStep = 2 * kLanes;
   Block block;
+  Aside aside;
   std::size_t open = 0;
   for (std::size_t begin = 0; begin < batch.count; begin += kBlock) {
-    const std::size_t size = batch.count - begin < kBlock ? batch.count - begin : kBlock;
-    block.entries.size = block.exits.size = 0;
-    const double* const rays = &batch.rays[begin].o.x;
-    std::size_t i = 0;
-    for (; i + kStep <= size; i += kStep) cull(frame, batch, ellipsoid, rays + 6 * i, i, kStep, block);
-    if (i < size) {
-      double last[6 * kStep] = {};
-      __builtin_memcpy(last, rays + 6 * i, 6 * sizeof(double) * (size - i));
-      cull(frame, batch, ellipsoid, last, i, size - i, block);
-    }
-    find(frame, block.entries, block.hard);
-    find(frame, block.exits, block.hard);
+    TeardropBatch part = batch;
+    part.rays = batch.rays + begin;
+    part.count = batch.count - begin < kBlock ? batch.count - begin : kBlock;
     const TeardropAnswers to{answers.hits + begin, answers.first + begin, answers.second + begin};
-    open += size % kLanes == 0 ? conclude(batch, size, block, to) : conclude_last(batch, size, block, to);
+    // Whole vectors are written: the last ones, where they would be too long, aside.
+    const bool is_whole = part.count % kLanes == 0;
+    open += solve_block(frame, part, false, block, is_whole ? to : aside.answers());
+    for (std::size_t i = 0; !is_whole && i < part.count; ++i) aside.move(i, to, i, batch.both);
   }
-  return open;
+  return open == 0 ? 0 : look_again(frame, batch, block, aside, answers);
 }
 
 }  // namespace graze::GRAZE_LANES
