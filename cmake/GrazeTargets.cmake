@@ -83,7 +83,7 @@ endfunction()
 
 # graze_kernel(SURFACE SOLVER LANES sources [NEEDS sources]): the one list line of a surface's batch kernel for
 # a solver, in the build if both are: surfaces/SURFACE_SOLVER.{hpp,cpp} defines it, LANES is compiled once for
-# each instruction set (solvers/math/lanes.hpp).
+# each instruction set (solvers/math/lanes.hpp), also where several kernels share it.
 function(graze_kernel surface solver)
   cmake_parse_arguments(ARG "" "" "LANES;NEEDS" ${ARGN})
   get_property(solvers GLOBAL PROPERTY GRAZE_SOLVER_LIST)
@@ -100,9 +100,14 @@ function(graze_kernel surface solver)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     list(APPEND sets avx2 avx512)
   endif()
+  list(GET ARG_LANES 0 first)
+  get_filename_component(stem ${first} NAME_WE)
   foreach(set ${sets})
     # An object library of its own: the same sources, other flags.
-    set(object graze_${surface}_${solver}_lanes_${set})
+    set(object graze_${stem}_${set})
+    if(TARGET ${object})
+      continue()
+    endif()
     add_library(${object} OBJECT ${ARG_LANES})
     target_compile_features(${object} PRIVATE cxx_std_20)
     # g++ 12 warns about the deliberately undefined vectors of its own intrinsics (GCC bug 105593).
