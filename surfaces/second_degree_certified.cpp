@@ -8,6 +8,7 @@
 namespace graze {
 namespace {
 
+using second_degree::Coefficient;
 using second_degree::QuadraticForm;
 using Shape = SecondDegreeSurface::Shape;
 
@@ -16,15 +17,19 @@ constexpr double kUp = 1 + 0x1p-40;
 
 bool is_zero(const double (&v)[3]) { return v[0] == 0 && v[1] == 0 && v[2] == 0; }
 
-/// The form's numbers, rounded; with the other sign where that makes M's diagonal positive.
+/// The form's numbers, with the other sign where that makes M's diagonal positive.
 void copy_numbers(const QuadraticForm& form, SecondDegreeSurface& to) {
   const auto& m = form.m;
   const double s = m[0][0].value() < 0 && m[1][1].value() < 0 && m[2][2].value() < 0 ? -1 : 1;
-  const double rounded[] = {m[0][0].value(), m[1][1].value(), m[2][2].value(),
-                            m[0][1].value(), m[0][2].value(), m[1][2].value()};
-  for (std::size_t i = 0; i < 6; ++i) to.m[i] = s * rounded[i];
-  for (std::size_t i = 0; i < 3; ++i) to.g[i] = s * form.g[i].value();
-  to.j = s * form.j.value();
+  const auto copy = [s](const Coefficient& from, double& head, double& tail) {
+    const DoubleDouble wide = from.as<DoubleDouble>();
+    head = s * wide.hi;
+    tail = s * wide.lo;
+  };
+  const Coefficient* const entries[] = {&m[0][0], &m[1][1], &m[2][2], &m[0][1], &m[0][2], &m[1][2]};
+  for (std::size_t i = 0; i < 6; ++i) copy(*entries[i], to.m[i], to.m_tail[i]);
+  for (std::size_t i = 0; i < 3; ++i) copy(form.g[i], to.g[i], to.g_tail[i]);
+  copy(form.j, to.j, to.j_tail);
 }
 
 Shape shape_of(const SecondDegreeSurface& s) {
@@ -40,6 +45,7 @@ void set_sizes(SecondDegreeSurface& s) {
   };
   s.norm = kUp * std::max({row(0, 3, 4), row(3, 1, 5), row(4, 5, 2)});
   const double g2 = s.g[0] * s.g[0] + s.g[1] * s.g[1] + s.g[2] * s.g[2];
+  s.gradient = kUp * std::sqrt(g2);
   s.linear = g2 > 0 ? 2 : 1;
   s.constant = kUp * (std::fabs(s.j) + g2 / s.norm);
 }
@@ -50,6 +56,7 @@ SecondDegreeCertified::SecondDegreeCertified(Vec3 centre, double radius, int uni
     : set_(Certified::instruction_set(options)) {
   surface_.shape = Shape::sphere;
   surface_.j = -radius * radius;
+  surface_.j_tail = -std::fma(radius, radius, surface_.j);
   surface_.constant = -surface_.j;
   surface_.length = radius;
   set_frame(centre, unit);

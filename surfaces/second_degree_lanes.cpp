@@ -13,7 +13,8 @@ using Shape = SecondDegreeSurface::Shape;
 constexpr double kU = 0x1p-53;
 constexpr double kInfinity = __builtin_inf();
 constexpr double kNormal = 0x1p-1022;  // below, l would be rounded by more than u of itself
-constexpr double kTiny = 0x1p-960;     // far above what underflow can add to a bound, far below what matters
+constexpr double kU2 = kU * kU;
+constexpr double kTiny = 0x1p-960;  // far above what underflow can add to a bound, far below what matters
 
 struct Vector {
   Lanes x, y, z;
@@ -43,7 +44,7 @@ void subtract(Lanes o, double c, Lanes& difference, Lanes& rest) {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
 /// Rays 0 to 3 and 4 to 7 lie alike in three vectors each: two blends gather a pair of coordinates of four
 /// rays, in another order, and one permutation a coordinate puts both halves in order.
-void load_rays(const double* from, Vector& o, Vector& d) {
+[[gnu::always_inline]] inline void load_rays(const double* from, Vector& o, Vector& d) {
   const Lanes a = load(from), b = load(from + 8), c = load(from + 16);
   const Lanes e = load(from + 24), f = load(from + 32), g = load(from + 40);
   const auto first = [](Lanes p, Lanes q, Lanes r) {  // rays 0, 3, 2, 1
@@ -70,7 +71,7 @@ void load_rays(const double* from, Vector& o, Vector& d) {
 }
 #elif defined(__AVX2__) && defined(__FMA__)
 /// The same in halves of two numbers: those of rays 0 and 2, those of rays 1 and 3, and both in turn.
-void load_rays(const double* from, Vector& o, Vector& d) {
+[[gnu::always_inline]] inline void load_rays(const double* from, Vector& o, Vector& d) {
   const Lanes a = load(from), b = load(from + 4), c = load(from + 8);
   const Lanes e = load(from + 12), f = load(from + 16), g = load(from + 20);
   const auto pairs = [](Lanes even, Lanes odd, Lanes& low, Lanes& high) {
@@ -82,7 +83,7 @@ void load_rays(const double* from, Vector& o, Vector& d) {
   pairs(__builtin_shufflevector(b, f, 0, 1, 4, 5), __builtin_shufflevector(c, g, 2, 3, 6, 7), d.y, d.z);
 }
 #else
-void load_rays(const double* from, Vector& o, Vector& d) {
+[[gnu::always_inline]] inline void load_rays(const double* from, Vector& o, Vector& d) {
   const auto at = [&](std::size_t k) { return load_strided(from + k, 6); };
   o = {at(0), at(1), at(2)};
   d = {at(3), at(4), at(5)};
@@ -90,13 +91,14 @@ void load_rays(const double* from, Vector& o, Vector& d) {
 #endif
 
 /// Lengths in the surface's unit, the largest |d_i| in [1, 2): exact, short of underflow.
-Rays rays_at(const Surface& surface, bool is_central, const double* from) {
+template <bool kCentral>
+[[gnu::always_inline]] inline Rays rays_at(const Surface& surface, const double* from) {
   Vector o, d;
   load_rays(from, o, d);
   const Lanes shrink = reciprocal_power(max(abs(d.x), max(abs(d.y), abs(d.z))));
   o = {o.x * surface.inverse_unit, o.y * surface.inverse_unit, o.z * surface.inverse_unit};
   Rays rays{o, {}, {d.x * shrink, d.y * shrink, d.z * shrink}, shrink * surface.unit};
-  if (is_central) return rays;
+  if constexpr (kCentral) return rays;
   subtract(o.x, surface.centre[0], rays.m.x, rays.rest.x);
   subtract(o.y, surface.centre[1], rays.m.y, rays.rest.y);
   subtract(o.z, surface.centre[2], rays.m.z, rays.rest.z);
@@ -110,7 +112,7 @@ Vector point_at(const Rays& rays, Lanes l) {
 }
 
 template <Shape kShape>
-Vector times(const Surface& s, const Vector& y) {
+[[gnu::always_inline]] inline Vector times(const Surface& s, const Vector& y) {
   if constexpr (kShape == Shape::sphere) {
     return y;
   } else if constexpr (kShape != Shape::full) {
@@ -124,7 +126,7 @@ Vector times(const Surface& s, const Vector& y) {
 
 /// M y + g, half the gradient.
 template <Shape kShape>
-Vector slope(const Surface& s, const Vector& y) {
+[[gnu::always_inline]] inline Vector slope(const Surface& s, const Vector& y) {
   if constexpr (kShape == Shape::diagonal) {
     return {fma(all(s.m[0]), y.x, all(s.g[0])), fma(all(s.m[1]), y.y, all(s.g[1])),
             fma(all(s.m[2]), y.z, all(s.g[2]))};
@@ -149,7 +151,7 @@ struct Proved {
 /// Sphere and ellipsoid in its axes: from the foot, -B/A, no term of the filter or of l cancels, and l needs
 /// no correction (surfaces/sphere.md).
 template <Shape kShape, bool kBoth>
-Proved prove_axial(const Surface& s, const Rays& rays) {
+[[gnu::always_inline]] inline Proved prove_axial(const Surface& s, const Rays& rays) {
   const double j = -s.j;
   const Vector md = times<kShape>(s, rays.d), mm = times<kShape>(s, rays.m);
   const Lanes a = dot(md, rays.d), b = dot(mm, rays.d), q0 = dot(mm, rays.m);
@@ -194,9 +196,38 @@ struct Vertex {
   double roundings;       ///< of a point's coordinate
 };
 
+/// Whether l - f / (2 side root) is within 4 condition units of the root; n: half the gradient at l.
+[[gnu::always_inline]] inline Mask is_good(const Surface& s, const Vertex& v, Lanes l, Lanes f, Lanes f_error,
+                                           const Vector& n) {
+  const Lanes f_most = abs(f) + f_error;
+  const Lanes curved = fma(abs(v.a), f_most, v.error) * (v.per_root * v.per_root);
+  const Lanes most = fma(f_most, 16 * kU + curved, f_error);
+  // |n| is at least the sum of its sizes over sqrt 3; 8 < 16 / sqrt 3 * sqrt(4 / 5).
+  const Lanes allowed = kU * fma(14 * v.root, abs(l), 8 * s.length * sum_of_sizes(n));
+  const Mask is_close = abs(v.a * l) * 0x1p-48 < v.root;
+  return (most < allowed) & is_close;
+}
+
+/// Where the hits of a line that crosses are, by the exact signs of a, b and c = f(o).
+struct Sides {
+  Mask between;        ///< the origin is between them
+  Mask ahead, behind;  ///< both ahead, both behind or none at all
+  Lanes upward;        ///< 1 where f rises at the far one, else -1
+};
+
+[[gnu::always_inline]] inline Sides sides_of(Lanes a, Lanes b, Lanes c, Lanes c_error, Lanes b_error2) {
+  const Mask rises = a > 0;
+  const Mask is_off = abs(c) > c_error;
+  const Mask same = rises == (c > 0);
+  const Mask beside = is_off & same & (b * b > b_error2);
+  const Mask is_before = rises != (b > 0);
+  return {is_off & ~same, beside & is_before, beside & ~is_before, select(rises, all(1.0), all(-1.0))};
+}
+
 /// `side`: the sign of half the derivative there, 1 or -1.
 template <Shape kShape>
-Polished polish(const Surface& s, const Rays& rays, const Vertex& v, Lanes side) {
+[[gnu::always_inline]] inline Polished polish(const Surface& s, const Rays& rays, const Vertex& v,
+                                              Lanes side) {
   const Lanes l = fma(side * v.root - v.along, v.per_a, v.centre);
   const Vector x = point_at(rays, l);
   const Vector n = slope<kShape>(s, x);
@@ -204,18 +235,12 @@ Polished polish(const Surface& s, const Rays& rays, const Vertex& v, Lanes side)
   const Lanes better = l - 0.5 * f * (side * v.per_root);
   const Lanes size = fma(dot(x, x), all(s.linear * s.norm), all(s.constant));
   const Lanes f_error = fma(size, all(9 * kU), 2 * kU * v.roundings * dot_of_sizes(n, x)) + kTiny;
-  const Lanes f_most = abs(f) + f_error;
-  const Lanes curved = fma(abs(v.a), f_most, v.error) * (v.per_root * v.per_root);
-  const Lanes most = fma(f_most, 16 * kU + curved, f_error);
-  // |n| is at least the sum of its sizes over sqrt 3; 8 < 16 / sqrt 3 * sqrt(4 / 5).
-  const Lanes allowed = kU * fma(14 * v.root, abs(l), 8 * s.length * sum_of_sizes(n));
-  const Mask is_close = abs(v.a * l) * 0x1p-48 < v.root;
-  return {better, (most < allowed) & is_close};
+  return {better, is_good(s, v, l, f, f_error, n)};
 }
 
 /// Any surface of second degree (surfaces/quadric.md).
 template <Shape kShape, bool kBoth>
-Proved prove_general(const Surface& s, const Rays& rays, bool is_central) {
+[[gnu::always_inline]] inline Proved prove_general(const Surface& s, const Rays& rays, bool is_central) {
   const Vector md = times<kShape>(s, rays.d);
   const Lanes a = dot(md, rays.d), d2 = dot(rays.d, rays.d), m2 = dot(rays.m, rays.m);
   const Lanes size_a = s.norm * d2;
@@ -223,8 +248,8 @@ Proved prove_general(const Surface& s, const Rays& rays, bool is_central) {
   const Lanes b = dot(n0, rays.d), c = value(s, rays.m, n0);
   const Lanes size_c = fma(m2, all(s.linear * s.norm), all(s.constant));
 
-  const Lanes first_centre = -b / a;
-  const Vector p = point_at(rays, first_centre);
+  const Lanes centre = -b / a;
+  const Vector p = point_at(rays, centre);
   const Vector n = slope<kShape>(s, p);
   const Lanes along = dot(n, rays.d), level = value(s, p, n);
   const Lanes square = along * along;
@@ -237,25 +262,17 @@ Proved prove_general(const Surface& s, const Rays& rays, bool is_central) {
 
   const Mask is_near = (m2 < s.farthest2) & (abs(a) > 0x1p-20 * size_a);
   const Mask crosses = (discriminant > 4 * error) & is_near;
-  const Mask misses = (discriminant < -error) & is_near;
-  const Mask is_off = abs(c) > fma(size_c, all(12 * kU), all(kTiny));
-  const Mask is_clear = b * b > fma(size_a * size_c, all(0x1p-98), all(kTiny));
-  const Mask same_side = is_off & ((a > 0) == (c > 0));
-  const Mask between = is_off & ((a > 0) != (c > 0));
-  const Mask ahead = (a > 0) != (b > 0);  // of the vertex
-
-  const Vertex vertex{a, first_centre, along, error, root, both * root, both * a, is_central ? 1.0 : 2.0};
-  const Lanes upward = select(a > 0, all(1.0), all(-1.0));  // of the far root
-  Proved proved{misses | (same_side & is_clear & ~ahead & is_near),
-                crosses & between,
-                crosses & same_side & is_clear & ahead,
-                {}};
-  const Polished first = polish<kShape>(s, rays, vertex, select(between, upward, -upward));
+  const Mask misses = discriminant < -error;
+  const Vertex vertex{a, centre, along, error, root, both * root, both * a, is_central ? 1.0 : 2.0};
+  const Sides sides = sides_of(a, b, c, fma(size_c, all(12 * kU), all(kTiny)),
+                               fma(size_a * size_c, all(0x1p-98), all(kTiny)));
+  Proved proved{(misses | sides.behind) & is_near, crosses & sides.between, crosses & sides.ahead, {}};
+  const Polished first = polish<kShape>(s, rays, vertex, select(sides.between, sides.upward, -sides.upward));
   proved.l[0] = first.l;
   proved.one &= first.proved;
   proved.two &= first.proved;
   if constexpr (kBoth) {
-    const Polished second = polish<kShape>(s, rays, vertex, upward);
+    const Polished second = polish<kShape>(s, rays, vertex, sides.upward);
     proved.l[1] = second.l;
     proved.two &= second.proved & (first.l < second.l);
   }
@@ -266,7 +283,7 @@ using Bytes = std::int8_t __attribute__((vector_size(kLanes)));
 
 /// From what is proved in the surface's units to answers in the caller's: the number of hits, or -1.
 template <bool kBoth>
-Bytes conclude(const Rays& rays, Proved& proved) {
+[[gnu::always_inline]] inline Bytes conclude(const Rays& rays, Proved& proved) {
   proved.l[0] *= rays.back;
   const Mask in_range = (proved.l[0] >= kNormal) & (proved.l[0] < kInfinity);
   const Mask open = Mask{} - 1;
@@ -281,46 +298,233 @@ Bytes conclude(const Rays& rays, Proved& proved) {
   return __builtin_convertvector(hits, Bytes);
 }
 
-template <Shape kShape, bool kBoth>
-void answer_lanes(const Surface& surface, bool is_central, const double* from, std::int8_t* hits,
-                  double* first, double* second) {
-  const Rays rays = rays_at(surface, is_central, from);
-  Proved proved;
-  if constexpr (kShape == Shape::sphere || kShape == Shape::axial) {
-    proved = prove_axial<kShape, kBoth>(surface, rays);
-  } else {
-    proved = prove_general<kShape, kBoth>(surface, rays, is_central);
-  }
-  const Bytes counts = conclude<kBoth>(rays, proved);
-  __builtin_memcpy(hits, &counts, sizeof counts);
-  store(first, proved.l[0]);
-  if constexpr (kBoth) store(second, proved.l[1]);
+/// Double-doubles; every operation is within 8 u^2 of the sum of its terms' sizes.
+struct Wide {
+  Lanes hi, lo;
+};
+
+Wide two_sum(Lanes a, Lanes b) {
+  const Lanes sum = a + b, moved = sum - a;
+  return {sum, (a - (sum - moved)) + (b - moved)};
+}
+Wide two_product(Lanes a, Lanes b) {
+  const Lanes product = a * b;
+  return {product, fma(a, b, -product)};
+}
+Wide operator+(const Wide& a, const Wide& b) {
+  const Wide sum = two_sum(a.hi, b.hi);
+  return two_sum(sum.hi, sum.lo + (a.lo + b.lo));
+}
+Wide operator-(const Wide& a) { return {-a.hi, -a.lo}; }
+Wide operator*(const Wide& a, const Wide& b) {
+  const Wide product = two_product(a.hi, b.hi);
+  return two_sum(product.hi, fma(a.hi, b.lo, fma(a.lo, b.hi, product.lo)));
 }
 
-template <Shape kShape, bool kBoth>
-void answer_all(const Surface& s, const SecondDegreeBatch& batch, const SecondDegreeAnswers& to) {
-  const Surface surface = s;  // what is stored through other pointers does not change it
-  const bool is_central = surface.centre[0] == 0 && surface.centre[1] == 0 && surface.centre[2] == 0;
-  const double* const rays = &batch.rays->o.x;
-  std::size_t i = 0;
-  for (; i + kLanes <= batch.count; i += kLanes)
-    answer_lanes<kShape, kBoth>(surface, is_central, rays + 6 * i, to.hits + i, to.first + i, to.second + i);
-  if (i == batch.count) return;
-  // The last ones by themselves: the lanes behind them compute on zeros.
+struct WideVector {
+  Wide x, y, z;
+};
+
+Wide dot(const WideVector& a, const WideVector& b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
+WideVector operator+(const WideVector& a, const WideVector& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+
+/// The surface's coefficients with their tails.
+struct WideSurface {
+  WideVector row[3];
+  WideVector g;
+  Wide j;
+
+  explicit WideSurface(const Surface& s) : j{all(s.j), all(s.j_tail)} {
+    const auto entry = [&](std::size_t i) { return Wide{all(s.m[i]), all(s.m_tail[i])}; };
+    const auto linear = [&](std::size_t i) { return Wide{all(s.g[i]), all(s.g_tail[i])}; };
+    row[0] = {entry(0), entry(3), entry(4)};
+    row[1] = {entry(3), entry(1), entry(5)};
+    row[2] = {entry(4), entry(5), entry(2)};
+    g = {linear(0), linear(1), linear(2)};
+  }
+  [[nodiscard]] WideVector times(const WideVector& y) const {
+    return {dot(row[0], y), dot(row[1], y), dot(row[2], y)};
+  }
+};
+
+WideVector widened(const Vector& a) { return {{a.x, Lanes{}}, {a.y, Lanes{}}, {a.z, Lanes{}}}; }
+Lanes norm(const Vector& a) { return sqrt(dot(a, a)); }
+Vector heads(const WideVector& a) { return {a.x.hi, a.y.hi, a.z.hi}; }
+
+/// m + rest + l d, within u^2 (3 |x_i| + 4 |m_i|) a coordinate.
+WideVector wide_point_at(const Rays& rays, Lanes l) {
+  const auto coordinate = [&](Lanes m, Lanes rest, Lanes d) {
+    const Wide moved = two_product(l, d), sum = two_sum(moved.hi, m);
+    return two_sum(sum.hi, sum.lo + (moved.lo + rest));
+  };
+  return {coordinate(rays.m.x, rays.rest.x, rays.d.x), coordinate(rays.m.y, rays.rest.y, rays.d.y),
+          coordinate(rays.m.z, rays.rest.z, rays.d.z)};
+}
+
+/// f at a point, with a bound on its error; half the gradient there.
+struct Value {
+  WideVector slope;
+  Wide f;
+  Lanes error;
+  Lanes steep;  ///< at least |slope|, nothing cancelled
+  Lanes moved;  ///< how far the point is from the one meant
+};
+
+/// `far`: |m|, or 0 for a point that is exact.
+Value wide_value(const Surface& s, const WideSurface& wide, const WideVector& x, Lanes far) {
+  const WideVector slope = wide.times(x) + wide.g;
+  const Lanes distance = norm(heads(x));
+  const Lanes steep = fma(distance, all(s.norm), all(s.gradient));
+  const Lanes moved = kU2 * fma(far, all(4.0), 3 * distance);
+  const Lanes size = fma(s.linear * s.norm * distance, distance, all(s.constant));
+  return {slope, dot(x, slope + wide.g) + wide.j, fma(size, all(96 * kU2), 2.125 * steep * moved) + kTiny,
+          steep, moved};
+}
+
+/// As polish, f in double-doubles.
+Polished polish_again(const Surface& s, const WideSurface& wide, const Rays& rays, const Vertex& v, Lanes far,
+                      Lanes side) {
+  const Lanes l = fma(side * v.root - v.along, v.per_a, v.centre);
+  const Value here = wide_value(s, wide, wide_point_at(rays, l), far);
+  const Lanes better = l - 0.5 * here.f.hi * (side * v.per_root);
+  return {better, is_good(s, v, l, here.f.hi, here.error, heads(here.slope))};
+}
+
+/// The second look, for rays that the first leaves open: the same with double-doubles (surfaces/quadric.md).
+template <bool kBoth>
+Proved prove_again(const Surface& s, const Rays& rays) {
+  const WideSurface wide(s);
+  const WideVector d = widened(rays.d);
+  const WideVector m{{rays.m.x, rays.rest.x}, {rays.m.y, rays.rest.y}, {rays.m.z, rays.rest.z}};
+  const Wide a = dot(d, wide.times(d));
+  const Lanes length = norm(rays.d), far = norm(rays.m);
+  const Lanes size_a = s.norm * length * length;
+  const Value start = wide_value(s, wide, m, Lanes{});
+  const Wide b = dot(d, start.slope);
+
+  const Lanes centre = -b.hi / a.hi;
+  const Value foot = wide_value(s, wide, wide_point_at(rays, centre), far);
+  const Wide along = dot(d, foot.slope);
+  const Wide discriminant = along * along + -(a * foot.f);
+  const Lanes along_error = length * fma(foot.steep, all(80 * kU2), s.norm * foot.moved);
+  const Lanes square = along.hi * along.hi;
+  const Lanes error = 1.125 * (2 * abs(along.hi) * along_error + abs(a.hi) * foot.error +
+                               80 * kU2 * (size_a * abs(foot.f.hi) + square)) +
+                      kTiny;
+  const Lanes root = sqrt(discriminant.hi);
+  const Lanes both = 1 / (a.hi * root);
+
+  const Mask is_curved = abs(a.hi) > 0x1p-60 * size_a;
+  const Mask is_at_vertex =
+      (16 * along_error * along_error < discriminant.hi) & (0x1p-30 * square < discriminant.hi);
+  const Mask crosses = (discriminant.hi > 4 * error) & is_curved & is_at_vertex;
+  const Vertex vertex{a.hi, centre, along.hi, error, root, both * root, both * a.hi, 0};
+  const Lanes b_error = 80 * kU2 * length * start.steep;
+  const Sides sides = sides_of(a.hi, b.hi, start.f.hi, start.error, fma(b_error, b_error, all(kTiny)));
+  Proved proved{((discriminant.hi < -error) | sides.behind) & is_curved,
+                crosses & sides.between,
+                crosses & sides.ahead,
+                {}};
+  const Polished first =
+      polish_again(s, wide, rays, vertex, far, select(sides.between, sides.upward, -sides.upward));
+  proved.l[0] = first.l;
+  proved.one &= first.proved;
+  proved.two &= first.proved;
+  if constexpr (kBoth) {
+    const Polished second = polish_again(s, wide, rays, vertex, far, sides.upward);
+    proved.l[1] = second.l;
+    proved.two &= second.proved & (first.l < second.l);
+  }
+  return proved;
+}
+
+constexpr std::size_t kBlock = 256;
+
+/// Rays that the first look leaves open, one after another, and where they stand in the batch.
+struct Open {
+  alignas(64) double rays[6 * (kBlock + kLanes)];
+  std::size_t at[kBlock + kLanes];
+  std::size_t size = 0;
+};
+
+/// One look at the rays from `begin` to `end`, kLanes at a time; the last ones by themselves, with zeros
+/// behind them.
+template <class Look, bool kCentral, bool kBoth>
+[[gnu::always_inline]] inline void look_at(const Surface& surface, const double* rays, std::size_t count,
+                                           std::int8_t* hits, double* first, double* second,
+                                           const Look& look) {
   double last[6 * kLanes] = {};
-  double first[kLanes], second[kLanes];
-  std::int8_t hits[kLanes];
-  const std::size_t rest = batch.count - i;
-  __builtin_memcpy(last, rays + 6 * i, 6 * sizeof(double) * rest);
-  answer_lanes<kShape, kBoth>(surface, is_central, last, hits, first, second);
-  __builtin_memcpy(to.hits + i, hits, rest);
-  __builtin_memcpy(to.first + i, first, rest * sizeof(double));
-  if constexpr (kBoth) __builtin_memcpy(to.second + i, second, rest * sizeof(double));
+  double lasts[2][kLanes];
+  std::int8_t last_hits[kLanes];
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    const bool is_whole = i + kLanes <= count;
+    if (!is_whole) __builtin_memcpy(last, rays + 6 * i, 6 * sizeof(double) * (count - i));
+    const Rays group = rays_at<kCentral>(surface, is_whole ? rays + 6 * i : last);
+    Proved proved = look(group);
+    const Bytes counts = conclude<kBoth>(group, proved);
+    __builtin_memcpy(is_whole ? hits + i : last_hits, &counts, sizeof counts);
+    store(is_whole ? first + i : lasts[0], proved.l[0]);
+    if constexpr (kBoth) store(is_whole ? second + i : lasts[1], proved.l[1]);
+    if (is_whole) continue;
+    __builtin_memcpy(hits + i, last_hits, count - i);
+    __builtin_memcpy(first + i, lasts[0], (count - i) * sizeof(double));
+    if constexpr (kBoth) __builtin_memcpy(second + i, lasts[1], (count - i) * sizeof(double));
+  }
+}
+
+/// The second look at a block's open rays.
+template <bool kCentral, bool kBoth>
+[[gnu::noinline]] void look_again(const Surface& surface, Open& open, const SecondDegreeAnswers& to) {
+  double first[kBlock + kLanes], second[kBlock + kLanes];
+  std::int8_t hits[kBlock + kLanes];
+  const auto look = [&](const Rays& rays) { return prove_again<kBoth>(surface, rays); };
+  look_at<decltype(look), kCentral, kBoth>(surface, open.rays, open.size, hits, first, second, look);
+  for (std::size_t i = 0; i < open.size; ++i) {
+    to.hits[open.at[i]] = hits[i];
+    to.first[open.at[i]] = first[i];
+    if constexpr (kBoth) to.second[open.at[i]] = second[i];
+  }
+}
+
+void collect_open(const double* rays, const std::int8_t* hits, std::size_t begin, std::size_t end,
+                  Open& open) {
+  open.size = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    if (hits[i] >= 0) continue;
+    __builtin_memcpy(open.rays + 6 * open.size, rays + 6 * i, 6 * sizeof(double));
+    open.at[open.size++] = i;
+  }
+}
+
+template <Shape kShape, bool kCentral, bool kBoth>
+void answer(const Surface& s, const SecondDegreeBatch& batch, const SecondDegreeAnswers& to) {
+  const Surface surface = s;  // what is stored through other pointers does not change it
+  const double* const rays = &batch.rays->o.x;
+  const auto look = [&](const Rays& group) {
+    if constexpr (kShape == Shape::sphere || kShape == Shape::axial) {
+      return prove_axial<kShape, kBoth>(surface, group);
+    } else {
+      return prove_general<kShape, kBoth>(surface, group, kCentral);
+    }
+  };
+  Open open;
+  for (std::size_t begin = 0; begin < batch.count; begin += kBlock) {
+    const std::size_t end = batch.count - begin < kBlock ? batch.count : begin + kBlock;
+    look_at<decltype(look), kCentral, kBoth>(surface, rays + 6 * begin, end - begin, to.hits + begin,
+                                             to.first + begin, to.second + begin, look);
+    collect_open(rays, to.hits, begin, end, open);
+    if (open.size > 0) look_again<kCentral, kBoth>(surface, open, to);
+  }
 }
 
 template <Shape kShape>
 void answer(const Surface& surface, const SecondDegreeBatch& batch, const SecondDegreeAnswers& to) {
-  batch.both ? answer_all<kShape, true>(surface, batch, to) : answer_all<kShape, false>(surface, batch, to);
+  const bool is_central = surface.centre[0] == 0 && surface.centre[1] == 0 && surface.centre[2] == 0;
+  if (is_central)
+    return batch.both ? answer<kShape, true, true>(surface, batch, to)
+                      : answer<kShape, true, false>(surface, batch, to);
+  batch.both ? answer<kShape, false, true>(surface, batch, to)
+             : answer<kShape, false, false>(surface, batch, to);
 }
 
 }  // namespace

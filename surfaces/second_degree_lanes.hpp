@@ -17,13 +17,15 @@ struct SecondDegreeSurface {
   Shape shape = Shape::full;
   double unit = 1, inverse_unit = 1;  ///< 2^unit, 2^-unit
   double centre[3] = {};
-  double m[6] = {};         ///< xx, yy, zz, xy, xz, yz
-  double g[3] = {}, j = 0;  ///< of a sphere j = -radius^2
-  double norm = 1;          ///< at least the norm of |M|, the largest sum of a row
-  double constant = 1;      ///< at least |j| + |g|^2 / norm
-  double linear = 1;        ///< 2 where g is not zero
-  double length = 0;        ///< at most the length of condition units; 0: none
-  double farthest2 = 0;     ///< |o - centre|^2 beyond which rays are left open
+  double m[6] = {1, 1, 1, 0, 0, 0}, m_tail[6] = {};  ///< xx, yy, zz, xy, xz, yz
+  double g[3] = {}, g_tail[3] = {};
+  double j = 0, j_tail = 0;  ///< of a sphere -radius^2
+  double norm = 1;           ///< at least the norm of |M|, the largest sum of a row
+  double gradient = 0;       ///< at least |g|
+  double constant = 1;       ///< at least |j| + |g|^2 / norm
+  double linear = 1;         ///< 2 where g is not zero
+  double length = 0;         ///< at most the length of condition units; 0: none
+  double farthest2 = 0;      ///< |o - centre|^2 beyond which rays are left open
 };
 
 struct SecondDegreeBatch {
