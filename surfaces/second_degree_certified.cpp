@@ -35,7 +35,8 @@ void copy_numbers(const QuadraticForm& form, SecondDegreeSurface& to) {
 Shape shape_of(const SecondDegreeSurface& s) {
   if (s.m[3] != 0 || s.m[4] != 0 || s.m[5] != 0) return Shape::full;
   const double least = std::min({s.m[0], s.m[1], s.m[2]});
-  return least > 0 && is_zero(s.g) && s.j < 0 ? Shape::axial : Shape::diagonal;
+  if (!is_zero(s.g)) return Shape::diagonal;
+  return least > 0 && s.j < 0 ? Shape::axial : Shape::central;
 }
 
 /// What bounds on roundings rest on.
@@ -48,6 +49,16 @@ void set_sizes(SecondDegreeSurface& s) {
   s.gradient = kUp * std::sqrt(g2);
   s.linear = g2 > 0 ? 2 : 1;
   s.constant = kUp * (std::fabs(s.j) + g2 / s.norm);
+}
+
+/// Roundings in the value of f (surfaces/quadric.md), with 1/16 of them for what is of second order.
+void set_roundings(SecondDegreeSurface& s) {
+  const auto is_rounded = [](double tail) { return tail != 0; };
+  const double of_m = std::any_of(std::begin(s.m_tail), std::end(s.m_tail), is_rounded) ? 1 : 0;
+  const double of_g = s.gradient > 0 ? 1 : 0;
+  const double margin = 1.0625;
+  s.of_slope = margin * (2 + of_m + of_g);
+  s.of_distance = margin * s.norm * (s.shape == Shape::full ? 2 + of_m + 3 * of_g : 2.5 * of_g);
 }
 
 }  // namespace
@@ -68,6 +79,7 @@ SecondDegreeCertified::SecondDegreeCertified(const QuadraticForm& form, double s
   copy_numbers(form, surface_);
   set_sizes(surface_);
   surface_.shape = shape_of(surface_);
+  set_roundings(surface_);
   // A cone about the origin and its like have no length of their own: none is used, so that scaling a scene
   // by a power of two changes no answer.
   surface_.length = surface_.constant > 0 ? scale_by_power(size, -unit) * (2 - kUp) : 0;
@@ -97,7 +109,8 @@ void SecondDegreeCertified::set_frame(Vec3 centre, int unit) {
 
 void SecondDegreeCertified::intersect(std::span<const Ray> rays, bool all, KernelAnswers& answers,
                                       std::size_t first) const {
-  const SecondDegreeAnswers to{&answers.hits[first], &answers.l[0][first], &answers.l[1][first]};
+  const SecondDegreeAnswers to{&answers.hits[first], &answers.l[0][first], &answers.l[1][first],
+                               &answers.tier[first]};
   const SecondDegreeBatch batch{rays.data(), rays.size(), all};
   if (!is_usable_) {
     std::fill_n(to.hits, rays.size(), KernelAnswers::kOpen);

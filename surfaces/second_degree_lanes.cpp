@@ -127,7 +127,9 @@ template <Shape kShape>
 /// M y + g, half the gradient.
 template <Shape kShape>
 [[gnu::always_inline]] inline Vector slope(const Surface& s, const Vector& y) {
-  if constexpr (kShape == Shape::diagonal) {
+  if constexpr (kShape == Shape::central) {
+    return times<kShape>(s, y);
+  } else if constexpr (kShape == Shape::diagonal) {
     return {fma(all(s.m[0]), y.x, all(s.g[0])), fma(all(s.m[1]), y.y, all(s.g[1])),
             fma(all(s.m[2]), y.z, all(s.g[2]))};
   } else {
@@ -138,8 +140,13 @@ template <Shape kShape>
 }
 
 /// f(y), by its slope there.
-Lanes value(const Surface& s, const Vector& y, const Vector& slope) {
-  return fma(y.x, slope.x + s.g[0], fma(y.y, slope.y + s.g[1], fma(y.z, slope.z + s.g[2], all(s.j))));
+template <Shape kShape>
+[[gnu::always_inline]] inline Lanes value(const Surface& s, const Vector& y, const Vector& slope) {
+  if constexpr (kShape == Shape::central) {
+    return fma(y.x, slope.x, fma(y.y, slope.y, fma(y.z, slope.z, all(s.j))));
+  } else {
+    return fma(y.x, slope.x + s.g[0], fma(y.y, slope.y + s.g[1], fma(y.z, slope.z + s.g[2], all(s.j))));
+  }
 }
 
 /// What is proved of kLanes rays; of `one` and `two` the hits are l[0] and l[1].
@@ -231,10 +238,11 @@ template <Shape kShape>
   const Lanes l = fma(side * v.root - v.along, v.per_a, v.centre);
   const Vector x = point_at(rays, l);
   const Vector n = slope<kShape>(s, x);
-  const Lanes f = value(s, x, n);
+  const Lanes f = value<kShape>(s, x, n);
   const Lanes better = l - 0.5 * f * (side * v.per_root);
-  const Lanes size = fma(dot(x, x), all(s.linear * s.norm), all(s.constant));
-  const Lanes f_error = fma(size, all(9 * kU), 2 * kU * v.roundings * dot_of_sizes(n, x)) + kTiny;
+  const Lanes f_error = kU * fma(dot_of_sizes(n, x), all(s.of_slope + 2.0625 * v.roundings),
+                                 fma(dot(x, x), all(s.of_distance), all(3 * s.constant))) +
+                        kTiny;
   return {better, is_good(s, v, l, f, f_error, n)};
 }
 
@@ -245,13 +253,13 @@ template <Shape kShape, bool kBoth>
   const Lanes a = dot(md, rays.d), d2 = dot(rays.d, rays.d), m2 = dot(rays.m, rays.m);
   const Lanes size_a = s.norm * d2;
   const Vector n0 = slope<kShape>(s, rays.m);
-  const Lanes b = dot(n0, rays.d), c = value(s, rays.m, n0);
+  const Lanes b = dot(n0, rays.d), c = value<kShape>(s, rays.m, n0);
   const Lanes size_c = fma(m2, all(s.linear * s.norm), all(s.constant));
 
   const Lanes centre = -b / a;
   const Vector p = point_at(rays, centre);
   const Vector n = slope<kShape>(s, p);
-  const Lanes along = dot(n, rays.d), level = value(s, p, n);
+  const Lanes along = dot(n, rays.d), level = value<kShape>(s, p, n);
   const Lanes square = along * along;
   const Lanes size = fma(dot(p, p), all(s.linear * s.norm), all(s.constant));
   const Lanes discriminant = fma(-a, level, square);
@@ -481,6 +489,7 @@ template <bool kCentral, bool kBoth>
   look_at<decltype(look), kCentral, kBoth>(surface, open.rays, open.size, hits, first, second, look);
   for (std::size_t i = 0; i < open.size; ++i) {
     to.hits[open.at[i]] = hits[i];
+    to.tier[open.at[i]] = 2;
     to.first[open.at[i]] = first[i];
     if constexpr (kBoth) to.second[open.at[i]] = second[i];
   }
@@ -533,6 +542,7 @@ void intersect_second_degree(const SecondDegreeSurface& surface, const SecondDeg
                              const SecondDegreeAnswers& answers) {
   if (surface.shape == Shape::sphere) return answer<Shape::sphere>(surface, batch, answers);
   if (surface.shape == Shape::axial) return answer<Shape::axial>(surface, batch, answers);
+  if (surface.shape == Shape::central) return answer<Shape::central>(surface, batch, answers);
   if (surface.shape == Shape::diagonal) return answer<Shape::diagonal>(surface, batch, answers);
   answer<Shape::full>(surface, batch, answers);
 }

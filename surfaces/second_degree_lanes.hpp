@@ -11,8 +11,9 @@ namespace graze {
 /// f(x) = y.(M y) + 2 g.y + j, y = x - centre, lengths in units of 2^unit; every number is within u = 2^-53
 /// of the exact one, relative to itself, or is that.
 struct SecondDegreeSurface {
-  /// sphere: M = 1; axial: M > 0 diagonal, g = 0, j < 0; diagonal: M is; full: any.
-  enum class Shape : std::uint8_t { sphere, axial, diagonal, full };
+  /// sphere: M = 1; axial: M > 0 diagonal, g = 0, j < 0; central: M diagonal, g = 0; diagonal: M is; full:
+  /// any.
+  enum class Shape : std::uint8_t { sphere, axial, central, diagonal, full };
 
   Shape shape = Shape::full;
   double unit = 1, inverse_unit = 1;  ///< 2^unit, 2^-unit
@@ -24,6 +25,8 @@ struct SecondDegreeSurface {
   double gradient = 0;       ///< at least |g|
   double constant = 1;       ///< at least |j| + |g|^2 / norm
   double linear = 1;         ///< 2 where g is not zero
+  double of_distance = 0;    ///< f at y is computed within u (of_distance |y|^2
+  double of_slope = 0;       ///< + of_slope sum |y_i (M y + g)_i| + 3 constant)
   double length = 0;         ///< at most the length of condition units; 0: none
   double farthest2 = 0;      ///< |o - centre|^2 beyond which rays are left open
 };
@@ -40,6 +43,7 @@ struct SecondDegreeAnswers {
   std::int8_t* hits = nullptr;
   double* first = nullptr;
   double* second = nullptr;
+  std::uint8_t* tier = nullptr;  ///< 2 is written where double-doubles answered
 };
 
 namespace avx512 {
