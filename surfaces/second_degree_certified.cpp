@@ -36,7 +36,9 @@ Shape shape_of(const SecondDegreeSurface& s) {
   if (s.m[3] != 0 || s.m[4] != 0 || s.m[5] != 0) return Shape::full;
   const double least = std::min({s.m[0], s.m[1], s.m[2]});
   if (!is_zero(s.g)) return Shape::diagonal;
-  return least > 0 && s.j < 0 ? Shape::axial : Shape::central;
+  // The length must be the largest semi-axis: of all but singular matrices it is known less well.
+  const bool is_long = s.length * s.length * least >= -s.j * (1 - 0x1p-8);
+  return least > 0 && s.j < 0 && is_long ? Shape::axial : Shape::central;
 }
 
 /// What bounds on roundings rest on.
@@ -78,11 +80,11 @@ SecondDegreeCertified::SecondDegreeCertified(const QuadraticForm& form, double s
     : set_(Certified::instruction_set(options)) {
   copy_numbers(form, surface_);
   set_sizes(surface_);
-  surface_.shape = shape_of(surface_);
-  set_roundings(surface_);
   // A cone about the origin and its like have no length of their own: none is used, so that scaling a scene
   // by a power of two changes no answer.
   surface_.length = surface_.constant > 0 ? scale_by_power(size, -unit) * (2 - kUp) : 0;
+  surface_.shape = shape_of(surface_);
+  set_roundings(surface_);
   set_frame(form.centre, unit);
 }
 

@@ -497,11 +497,18 @@ template <bool kCentral, bool kBoth>
 
 void collect_open(const double* rays, const std::int8_t* hits, std::size_t begin, std::size_t end,
                   Open& open) {
+  constexpr std::uint64_t kSigns = 0x8080'8080'8080'8080;
   open.size = 0;
-  for (std::size_t i = begin; i < end; ++i) {
-    if (hits[i] >= 0) continue;
-    __builtin_memcpy(open.rays + 6 * open.size, rays + 6 * i, 6 * sizeof(double));
-    open.at[open.size++] = i;
+  for (std::size_t i = begin; i < end; i += 8) {
+    const std::size_t size = end - i < 8 ? end - i : 8;
+    std::uint64_t eight = 0;
+    if (size == 8) __builtin_memcpy(&eight, hits + i, 8);
+    if (size == 8 && (eight & kSigns) == 0) continue;  // none of the eight is -1
+    for (std::size_t k = i; k < i + size; ++k) {
+      if (hits[k] >= 0) continue;
+      __builtin_memcpy(open.rays + 6 * open.size, rays + 6 * k, 6 * sizeof(double));
+      open.at[open.size++] = k;
+    }
   }
 }
 
