@@ -105,8 +105,12 @@ template <bool kCentral>
   return rays;
 }
 
-/// The point at l, rounded twice a coordinate (once where the rest is zero).
-Vector point_at(const Rays& rays, Lanes l) {
+/// The point at l, rounded twice a coordinate; once where there is no rest.
+template <bool kCentral>
+[[gnu::always_inline]] inline Vector point_at(const Rays& rays, Lanes l) {
+  if constexpr (kCentral) {
+    return {fma(l, rays.d.x, rays.m.x), fma(l, rays.d.y, rays.m.y), fma(l, rays.d.z, rays.m.z)};
+  }
   return {fma(l, rays.d.x, rays.m.x) + rays.rest.x, fma(l, rays.d.y, rays.m.y) + rays.rest.y,
           fma(l, rays.d.z, rays.m.z) + rays.rest.z};
 }
@@ -157,7 +161,7 @@ struct Proved {
 
 /// Sphere and ellipsoid in its axes: from the foot, -B/A, no term of the filter or of l cancels, and l needs
 /// no correction (surfaces/sphere.md).
-template <Shape kShape, bool kBoth>
+template <Shape kShape, bool kCentral, bool kBoth>
 [[gnu::always_inline]] inline Proved prove_axial(const Surface& s, const Rays& rays) {
   const double j = -s.j;
   const Vector md = times<kShape>(s, rays.d), mm = times<kShape>(s, rays.m);
@@ -166,7 +170,7 @@ template <Shape kShape, bool kBoth>
   const Lanes m2 = kShape == Shape::sphere ? q0 : dot(rays.m, rays.m);
   const Lanes per_a = 1 / a;
   const Lanes centre = -b * per_a;
-  const Vector p = point_at(rays, centre);
+  const Vector p = point_at<kCentral>(rays, centre);
   const Vector mp = times<kShape>(s, p);
   const Lanes along = dot(mp, rays.d), q = dot(mp, p);
   const Lanes square = along * along;
@@ -200,7 +204,6 @@ struct Vertex {
   Lanes error;            ///< of the discriminant
   Lanes root;             ///< of the discriminant
   Lanes per_a, per_root;  ///< 1/a, 1/root
-  double roundings;       ///< of a point's coordinate
 };
 
 /// Whether l - f / (2 side root) is within 4 condition units of the root; n: half the gradient at l.
@@ -232,23 +235,24 @@ struct Sides {
 }
 
 /// `side`: the sign of half the derivative there, 1 or -1.
-template <Shape kShape>
+template <Shape kShape, bool kCentral>
 [[gnu::always_inline]] inline Polished polish(const Surface& s, const Rays& rays, const Vertex& v,
                                               Lanes side) {
   const Lanes l = fma(side * v.root - v.along, v.per_a, v.centre);
-  const Vector x = point_at(rays, l);
+  const Vector x = point_at<kCentral>(rays, l);
   const Vector n = slope<kShape>(s, x);
   const Lanes f = value<kShape>(s, x, n);
   const Lanes better = l - 0.5 * f * (side * v.per_root);
-  const Lanes f_error = kU * fma(dot_of_sizes(n, x), all(s.of_slope + 2.0625 * v.roundings),
+  constexpr double kMoved = kCentral ? 2.125 : 4.25;  // twice x's roundings, and 1/16 of that
+  const Lanes f_error = kU * fma(dot_of_sizes(n, x), all(s.of_slope + kMoved),
                                  fma(dot(x, x), all(s.of_distance), all(3 * s.constant))) +
                         kTiny;
   return {better, is_good(s, v, l, f, f_error, n)};
 }
 
 /// Any surface of second degree (surfaces/quadric.md).
-template <Shape kShape, bool kBoth>
-[[gnu::always_inline]] inline Proved prove_general(const Surface& s, const Rays& rays, bool is_central) {
+template <Shape kShape, bool kCentral, bool kBoth>
+[[gnu::always_inline]] inline Proved prove_general(const Surface& s, const Rays& rays) {
   const Vector md = times<kShape>(s, rays.d);
   const Lanes a = dot(md, rays.d), d2 = dot(rays.d, rays.d), m2 = dot(rays.m, rays.m);
   const Lanes size_a = s.norm * d2;
@@ -257,7 +261,7 @@ template <Shape kShape, bool kBoth>
   const Lanes size_c = fma(m2, all(s.linear * s.norm), all(s.constant));
 
   const Lanes centre = -b / a;
-  const Vector p = point_at(rays, centre);
+  const Vector p = point_at<kCentral>(rays, centre);
   const Vector n = slope<kShape>(s, p);
   const Lanes along = dot(n, rays.d), level = value<kShape>(s, p, n);
   const Lanes square = along * along;
@@ -271,16 +275,17 @@ template <Shape kShape, bool kBoth>
   const Mask is_near = (m2 < s.farthest2) & (abs(a) > 0x1p-20 * size_a);
   const Mask crosses = (discriminant > 4 * error) & is_near;
   const Mask misses = discriminant < -error;
-  const Vertex vertex{a, centre, along, error, root, both * root, both * a, is_central ? 1.0 : 2.0};
+  const Vertex vertex{a, centre, along, error, root, both * root, both * a};
   const Sides sides = sides_of(a, b, c, fma(size_c, all(12 * kU), all(kTiny)),
                                fma(size_a * size_c, all(0x1p-98), all(kTiny)));
   Proved proved{(misses | sides.behind) & is_near, crosses & sides.between, crosses & sides.ahead, {}};
-  const Polished first = polish<kShape>(s, rays, vertex, select(sides.between, sides.upward, -sides.upward));
+  const Polished first =
+      polish<kShape, kCentral>(s, rays, vertex, select(sides.between, sides.upward, -sides.upward));
   proved.l[0] = first.l;
   proved.one &= first.proved;
   proved.two &= first.proved;
   if constexpr (kBoth) {
-    const Polished second = polish<kShape>(s, rays, vertex, sides.upward);
+    const Polished second = polish<kShape, kCentral>(s, rays, vertex, sides.upward);
     proved.l[1] = second.l;
     proved.two &= second.proved & (first.l < second.l);
   }
@@ -426,7 +431,7 @@ Proved prove_again(const Surface& s, const Rays& rays) {
   const Mask is_at_vertex =
       (16 * along_error * along_error < discriminant.hi) & (0x1p-30 * square < discriminant.hi);
   const Mask crosses = (discriminant.hi > 4 * error) & is_curved & is_at_vertex;
-  const Vertex vertex{a.hi, centre, along.hi, error, root, both * root, both * a.hi, 0};
+  const Vertex vertex{a.hi, centre, along.hi, error, root, both * root, both * a.hi};
   const Lanes b_error = 80 * kU2 * length * start.steep;
   const Sides sides = sides_of(a.hi, b.hi, start.f.hi, start.error, fma(b_error, b_error, all(kTiny)));
   Proved proved{((discriminant.hi < -error) | sides.behind) & is_curved,
@@ -518,9 +523,9 @@ void answer(const Surface& s, const SecondDegreeBatch& batch, const SecondDegree
   const double* const rays = &batch.rays->o.x;
   const auto look = [&](const Rays& group) {
     if constexpr (kShape == Shape::sphere || kShape == Shape::axial) {
-      return prove_axial<kShape, kBoth>(surface, group);
+      return prove_axial<kShape, kCentral, kBoth>(surface, group);
     } else {
-      return prove_general<kShape, kBoth>(surface, group, kCentral);
+      return prove_general<kShape, kCentral, kBoth>(surface, group);
     }
   };
   Open open;
