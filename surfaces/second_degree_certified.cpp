@@ -55,12 +55,18 @@ void set_sizes(SecondDegreeSurface& s) {
 
 /// Roundings in the value of f (surfaces/quadric.md), with 1/16 of them for what is of second order.
 void set_roundings(SecondDegreeSurface& s) {
+  constexpr double kMargin = 1.0625;
   const auto is_rounded = [](double tail) { return tail != 0; };
-  const double of_m = std::any_of(std::begin(s.m_tail), std::end(s.m_tail), is_rounded) ? 1 : 0;
-  const double of_g = s.gradient > 0 ? 1 : 0;
-  const double margin = 1.0625;
-  s.of_slope = margin * (2 + of_m + of_g);
-  s.of_distance = margin * s.norm * (s.shape == Shape::full ? 2 + of_m + 3 * of_g : 2.5 * of_g);
+  const bool is_inexact = std::any_of(std::begin(s.m_tail), std::end(s.m_tail), is_rounded) ||
+                          std::any_of(std::begin(s.g_tail), std::end(s.g_tail), is_rounded);
+  const double inexact = is_inexact ? 1 : 0, linear = s.gradient > 0 ? 1 : 0;
+  if (s.shape == Shape::full) {
+    s.of_slope = kMargin * (2 + linear);
+    s.of_size = kMargin * (2 + inexact + linear * (2 + inexact));
+  } else {
+    s.of_slope = kMargin * (2 + linear + inexact);
+    s.of_size = kMargin * (2 + 3 * inexact);
+  }
 }
 
 }  // namespace

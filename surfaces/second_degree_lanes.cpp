@@ -143,6 +143,19 @@ template <Shape kShape>
   }
 }
 
+/// |y|.(|M| |y| + |g|) of a full shape, |y|.|g| of a diagonal one.
+template <Shape kShape>
+[[gnu::always_inline]] inline Lanes size_at(const Surface& s, const Vector& y) {
+  const auto size = [](double x) { return all(__builtin_fabs(x)); };
+  const Vector g{size(s.g[0]), size(s.g[1]), size(s.g[2])};
+  if constexpr (kShape == Shape::central) return Lanes{};
+  if constexpr (kShape == Shape::diagonal) return dot_of_sizes(y, g);
+  const Vector z{abs(y.x), abs(y.y), abs(y.z)};
+  return dot(z, {fma(size(s.m[0]), z.x, fma(size(s.m[3]), z.y, fma(size(s.m[4]), z.z, g.x))),
+                 fma(size(s.m[3]), z.x, fma(size(s.m[1]), z.y, fma(size(s.m[5]), z.z, g.y))),
+                 fma(size(s.m[4]), z.x, fma(size(s.m[5]), z.y, fma(size(s.m[2]), z.z, g.z)))});
+}
+
 /// f(y), by its slope there.
 template <Shape kShape>
 [[gnu::always_inline]] inline Lanes value(const Surface& s, const Vector& y, const Vector& slope) {
@@ -244,9 +257,8 @@ template <Shape kShape, bool kCentral>
   const Lanes f = value<kShape>(s, x, n);
   const Lanes better = l - 0.5 * f * (side * v.per_root);
   constexpr double kMoved = kCentral ? 2.125 : 4.25;  // twice x's roundings, and 1/16 of that
-  const Lanes f_error = kU * fma(dot_of_sizes(n, x), all(s.of_slope + kMoved),
-                                 fma(dot(x, x), all(s.of_distance), all(3 * s.constant))) +
-                        kTiny;
+  const Lanes other = fma(size_at<kShape>(s, x), all(s.of_size), all(3 * __builtin_fabs(s.j)));
+  const Lanes f_error = kU * fma(dot_of_sizes(n, x), all(s.of_slope + kMoved), other) + kTiny;
   return {better, is_good(s, v, l, f, f_error, n)};
 }
 
