@@ -117,6 +117,7 @@ void SecondDegreeCertified::set_frame(Vec3 centre, int unit) {
 
 void SecondDegreeCertified::intersect(std::span<const Ray> rays, bool all, KernelAnswers& answers,
                                       std::size_t first) const {
+  if (rays.empty()) return;
   const SecondDegreeAnswers to{&answers.hits[first], &answers.l[0][first], &answers.l[1][first],
                                &answers.tier[first]};
   const SecondDegreeBatch batch{rays.data(), rays.size(), all};

@@ -472,8 +472,7 @@ struct Open {
   std::size_t size = 0;
 };
 
-/// One look at the rays from `begin` to `end`, kLanes at a time; the last ones by themselves, with zeros
-/// behind them.
+/// One look at `count` rays, kLanes at a time; the last ones by themselves, with zeros behind them.
 template <class Look, bool kCentral, bool kBoth>
 [[gnu::always_inline]] inline void look_at(const Surface& surface, const double* rays, std::size_t count,
                                            std::int8_t* hits, double* first, double* second,
@@ -506,7 +505,7 @@ template <bool kCentral, bool kBoth>
   look_at<decltype(look), kCentral, kBoth>(surface, open.rays, open.size, hits, first, second, look);
   for (std::size_t i = 0; i < open.size; ++i) {
     to.hits[open.at[i]] = hits[i];
-    to.tier[open.at[i]] = 2;
+    if (hits[i] >= 0) to.tier[open.at[i]] = 2;
     to.first[open.at[i]] = first[i];
     if constexpr (kBoth) to.second[open.at[i]] = second[i];
   }
