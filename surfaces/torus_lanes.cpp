@@ -69,6 +69,8 @@ struct Queue {
   std::size_t size = 0;
 };
 
+constexpr int kRough = 1, kClose = 6;  // Halley's steps
+
 enum State : std::uint8_t { kNothing, kMissed, kFound };
 
 /// What is known of the first hit of each line, in l of the line.
@@ -80,7 +82,7 @@ struct Ends {
 };
 
 struct Block {
-  Queue entries, exits, clean, tasks, pairs;
+  Queue entries, exits, clean, hard, tasks, pairs;
   Ends in, out, second, third;
   alignas(64) double back[kPadded];  ///< l of the caller = l here * back
 };
@@ -110,7 +112,7 @@ struct Shape {
   Lanes error_k, slant, size_y, extent;
 };
 
-Shape shape_of(const Queue& lines, std::size_t i, double side) {
+[[gnu::always_inline]] inline Shape shape_of(const Queue& lines, std::size_t i, double side) {
   const Lanes dx = part(lines, kDx, i), dy = part(lines, kDy, i), dz = part(lines, kDz, i);
   const Lanes a = fma(dx, dx, fma(dy, dy, dz * dz));
   return {a,
@@ -129,7 +131,7 @@ struct Value {
   Lanes error, slope_error;
 };
 
-Value evaluate(const Frame& frame, const Shape& s, Lanes delta) {
+[[gnu::always_inline]] inline Value evaluate(const Frame& frame, const Shape& s, Lanes delta) {
   const Lanes y = fma(delta, s.dy, s.py);
   const Lanes reach = s.a * delta, square = reach * delta;
   const Lanes k = fma(reach, delta, s.k);
@@ -155,7 +157,7 @@ struct Region {
   Lanes edge, bend, slack;
 };
 
-Region region_of(const Frame& frame, const Shape& s) {
+[[gnu::always_inline]] inline Region region_of(const Frame& frame, const Shape& s) {
   const Lanes lift = frame.weight * s.dy * s.dy;
   const Lanes ak = s.a * s.k;
   const Lanes turn = fma(2.0 + Lanes{}, ak, lift) * (-1.0 / 6);
@@ -173,11 +175,14 @@ struct Well {
   Mask clean;  ///< f > slack in all of [-extent, -edge]
 };
 
-Lanes clamp(Lanes v, const Shape& s, const Region& region) { return max(min(v, s.extent), region.edge); }
+[[gnu::always_inline]] inline Lanes clamp(Lanes v, const Shape& s, const Region& region) {
+  return max(min(v, s.extent), region.edge);
+}
 
 /// f' = -4 a^2 (v^3 - 3 i v - j): Halley's steps to the largest root, from the sum of its size for j = 0 and
 /// the first-order change.
-Lanes find_well(const Frame& frame, const Shape& s, const Region& region, int steps) {
+[[gnu::always_inline]] inline Lanes find_well(const Frame& frame, const Shape& s, const Region& region,
+                                              int steps) {
   const Lanes i = region.turn * s.per_a * s.per_a;
   const Lanes j = 0.5 * frame.weight * s.py * s.dy * s.per_a * s.per_a;
   const Lanes weight = select(i > 0, 6 * i, -3 * i);
@@ -190,11 +195,15 @@ Lanes find_well(const Frame& frame, const Shape& s, const Region& region, int st
   return v;
 }
 
-Well well_of(const Frame& frame, const Shape& s, const Region& region, int steps) {
+/// `polish`: a last step of Newton's, to where f' is positive for certain: nothing is lost to the right of
+/// it.
+[[gnu::always_inline]] inline Well well_of(const Frame& frame, const Shape& s, const Region& region,
+                                           int steps, bool polish) {
   Lanes v = find_well(frame, s, region, steps);
-  // A last step of Newton's, to where f' is positive for certain: nothing is lost to the right of it.
-  const Value near = evaluate(frame, s, -v);
-  v = clamp(v + (near.df - 2 * near.slope_error) / near.ddf, s, region);
+  if (polish) {
+    const Value near = evaluate(frame, s, -v);
+    v = clamp(v + (near.df - 2 * near.slope_error) / near.ddf, s, region);
+  }
   const Value at = evaluate(frame, s, -v);
   // f lies above its tangent; to the left, where f'' grows, above its parabola.
   const Lanes to_right = max(at.slope_error - at.df, Lanes{}) * (v - region.edge);
@@ -209,7 +218,7 @@ Well well_of(const Frame& frame, const Shape& s, const Region& region, int steps
 
 /// Where f falls to zero beside the well at z (side -1: the left one), by e^2 = -f(z) / (f''/2 + a^2 e (e - 4
 /// z)).
-Lanes start_beside(const Shape& s, const Well& well, double side) {
+[[gnu::always_inline]] inline Lanes start_beside(const Shape& s, const Well& well, double side) {
   const Lanes half = 0.5 * well.ddf, lead = s.a * s.a;
   const Lanes depth = max(-well.f, Lanes{});
   Lanes e = min(sqrt(depth / half), s.extent);
@@ -221,8 +230,8 @@ Lanes start_beside(const Shape& s, const Well& well, double side) {
 // ---------------------------------------------------------------------------------------------------- stages
 
 /// Brings kLanes rays to the frame; queues those that may hit.
-void cull(const Frame& frame, const TorusBatch& batch, const double* rays, std::size_t at, std::size_t count,
-          Block& block, std::int8_t* hits) {
+void cull(const Frame& frame, const TorusBatch& batch, double unit, const double* rays, std::size_t at,
+          std::size_t count, Block& block, std::int8_t* hits) {
   const Lanes qx = load_strided(rays + 3, 6), qy = load_strided(rays + 4, 6), qz = load_strided(rays + 5, 6);
   const Lanes shrink = reciprocal_power(max(abs(qx), max(abs(qy), abs(qz))));
   const Lanes ox = load_strided(rays, 6) * batch.inverse_unit,
@@ -262,11 +271,11 @@ void cull(const Frame& frame, const TorusBatch& batch, const double* rays, std::
   const Mask behind = origin > edge, ahead = origin < -edge;
   const Lanes size_d = max(abs(dx), max(abs(dy), abs(dz)));
   const Mask usable = (max(abs(ox), max(abs(oy), abs(oz))) < kFarthest) & (size_d >= 1) & (size_d < 2);
-  store(&block.back[at], shrink / batch.inverse_unit);
+  store(&block.back[at], shrink * unit);
 
   const unsigned valid = ((1U << count) - 1) & to_bits(usable);
   const unsigned gone = to_bits(missed | behind) & valid;
-  for (std::size_t i = 0; i < count; ++i) hits[i] = (gone >> i & 1U) != 0 ? 0 : kOpen;
+  for (unsigned none = gone; none != 0; none &= none - 1) hits[__builtin_ctz(none)] = 0;
   const unsigned left = valid & ~gone;
   append(block.entries, left, {ox, oy, oz, dx, dy, dz, py, k, centre, shift, error_k, slant, sy, extent},
          nullptr, at);
@@ -285,39 +294,63 @@ void append_task(Queue& tasks, const Queue& lines, std::size_t i, unsigned lanes
          from, i);
 }
 
-/// The left well: lines that fall into it become tasks, those that pass it for certain are `clean`.
-void look_left(const Frame& frame, const Queue& lines, Queue& clean, Queue& tasks, Ends& ends, int steps) {
+void append_line(Queue& to, const Queue& lines, std::size_t i, unsigned lanes, const std::uint16_t* from) {
+  if (lanes == 0) return;
+  Lanes parts[kLineParts];
+  for (std::size_t n = 0; n < kLineParts; ++n) parts[n] = part(lines, n, i);
+  append(to, lanes, parts, from, i);
+}
+
+/// Where lines go that have been looked at.
+struct Sorted {
+  Queue& tasks;  ///< fall into the well
+  Queue& clean;  ///< pass it for certain
+  Queue& hard;   ///< neither is sure
+};
+
+/// How a line is looked at: `from` are the lines' numbers, or none if they are counted from 0.
+struct Look {
+  int steps;
+  bool polish;
+  const std::uint16_t* from;
+};
+
+void look_left(const Frame& frame, const Queue& lines, Look look, const Sorted& to, Ends& ends) {
   for (std::size_t i = 0; i < lines.size; i += kLanes) {
     const Shape s = shape_of(lines, i, 1);
     const Region region = region_of(frame, s);
-    const Well well = well_of(frame, s, region, steps);
-    store(&ends.well[i], well.v);
+    const Well well = well_of(frame, s, region, look.steps, look.polish);
     const unsigned valid = lanes_left(lines, i);
-    const unsigned falls = to_bits(well.f < 0) & valid;
-    for (std::size_t n = 0; n < kLanes; ++n) ends.in_left[i + n] = (falls >> n & 1U) != 0;
+    const unsigned falls = to_bits(well.f < 0) & valid, passes = to_bits(well.clean) & valid & ~falls;
     if (falls != 0)
-      append_task(tasks, lines, i, falls, -region.edge, Lanes{}, start_beside(s, well, -1), nullptr);
-    const unsigned passes = to_bits(well.clean) & valid & ~falls;
-    if (passes != 0) {
-      Lanes all_parts[kLineParts];
-      for (std::size_t n = 0; n < kLineParts; ++n) all_parts[n] = part(lines, n, i);
-      append(clean, passes, all_parts, nullptr, i);
+      append_task(to.tasks, lines, i, falls, -region.edge, Lanes{}, start_beside(s, well, -1), look.from);
+    alignas(64) double v[kLanes];
+    store(v, well.v);
+    for (unsigned left = falls; left != 0; left &= left - 1) {
+      const unsigned n = static_cast<unsigned>(__builtin_ctz(left));
+      const std::size_t line = look.from == nullptr ? i + n : look.from[i + n];
+      ends.in_left[line] = true;
+      ends.well[line] = v[n];
     }
+    append_line(to.clean, lines, i, passes, look.from);
+    append_line(to.hard, lines, i, valid & ~(falls | passes), look.from);
   }
 }
 
 /// The right well of lines that have nothing to the left of it.
-void look_right(const Frame& frame, const Queue& clean, Queue& tasks, Ends& ends, int steps) {
-  for (std::size_t i = 0; i < clean.size; i += kLanes) {
-    const Shape s = shape_of(clean, i, -1);
+void look_right(const Frame& frame, const Queue& lines, Look look, const Sorted& to, Ends& ends) {
+  for (std::size_t i = 0; i < lines.size; i += kLanes) {
+    const Shape s = shape_of(lines, i, -1);
     const Region region = region_of(frame, s);
-    const Well well = well_of(frame, s, region, steps);
-    const unsigned valid = lanes_left(clean, i);
-    const unsigned falls = to_bits(well.f < 0) & valid;
+    const Well well = well_of(frame, s, region, look.steps, look.polish);
+    const unsigned valid = lanes_left(lines, i);
+    const unsigned falls = to_bits(well.f < 0) & valid, passes = to_bits(well.clean) & valid & ~falls;
     if (falls != 0)
-      append_task(tasks, clean, i, falls, all(kInfinity), region.slack, start_beside(s, well, 1), clean.from);
-    for (unsigned missed = to_bits(well.clean) & valid & ~falls; missed != 0; missed &= missed - 1)
-      ends.state[clean.from[i + static_cast<unsigned>(__builtin_ctz(missed))]] = kMissed;
+      append_task(to.tasks, lines, i, falls, all(kInfinity), region.slack, start_beside(s, well, 1),
+                  look.from);
+    for (unsigned missed = passes; missed != 0; missed &= missed - 1)
+      ends.state[look.from[i + static_cast<unsigned>(__builtin_ctz(missed))]] = kMissed;
+    append_line(to.hard, lines, i, valid & ~(falls | passes), look.from);
   }
 }
 
@@ -344,7 +377,7 @@ struct Place {
   Lanes other;     ///< F2 = (rho + R)^2 + y^2 - r^2 > 0
 };
 
-Place place_at(const Frame& frame, const Queue& tasks, std::size_t i, Lanes l) {
+[[gnu::always_inline]] inline Place place_at(const Frame& frame, const Queue& tasks, std::size_t i, Lanes l) {
   const Lanes dx = part(tasks, kDx, i), dy = part(tasks, kDy, i), dz = part(tasks, kDz, i);
   const Lanes x = fma(l, dx, part(tasks, kOx, i)), y = fma(l, dy, part(tasks, kOy, i)),
               z = fma(l, dz, part(tasks, kOz, i));
@@ -355,7 +388,7 @@ Place place_at(const Frame& frame, const Queue& tasks, std::size_t i, Lanes l) {
       kPay * kU * (7 * (size + 8 * kU * rho) * rho + 4 * out * out + 3 * y * y + 5 * abs(drop));
   const Lanes per_rho = 1 / rho;
   const Lanes dg = 2 * fma(out * per_rho, fma(x, dx, z * dz), y * dy);
-  const Lanes bend = 2 * fma(dx, dx, fma(dy, dy, dz * dz)) * fma(size, per_rho, 1 + Lanes{});
+  const Lanes bend = 2 * fma(dx, dx, fma(dy, dy, dz * dz)) * (1 + size * per_rho);
   return {fma(out, out, drop), error, dg, bend, fma(in, in, drop)};
 }
 
@@ -366,19 +399,22 @@ void certify(const Frame& frame, Queue& tasks, Ends& ends) {
     const Lanes slack = part(tasks, kSlack, i);
     const Lanes l0 = centre + (shift + part(tasks, kDelta, i));
     const Place at = place_at(frame, tasks, i, l0);
-    const Lanes l = l0 - at.g / at.dg;
+    const Lanes per_slope = 1 / (at.other * at.dg);
+    const Lanes l = l0 - at.g * (at.other * per_slope);
     // Wide enough for the bound on G and for f > slack, and for what l itself was rounded by.
     const Lanes grain = 4 * kU * (abs(l) + abs(centre) + abs(shift));
-    const Lanes width = grain - 4 * (at.error + slack / at.other) / at.dg;
+    const Lanes width = grain - 4 * fma(at.error, at.other, slack) * per_slope;
     const Lanes low = l - width, high = l + width;
     const Place a = place_at(frame, tasks, i, low);
     const Place b = place_at(frame, tasks, i, high);
     const Mask outside = (a.g - a.error) * a.other > 2 * slack;
     const Mask inside = b.g < -b.error;
     const Mask within = ((high - centre) - shift) + 2 * grain < part(tasks, kLimit, i);
-    // A bracket that holds the origin does not say whether the hit is ahead of it; one in which G bends is no
-    // place for a secant.
-    const Mask decided = ((low > 0) | (high < 0)) & (64 * width * at.bend < -at.dg);
+    // A bracket that holds the origin does not say whether the hit is ahead of it; one in which G bends by
+    // more than its error is no place for a secant.
+    const Mask straight =
+        (64 * width * at.bend < -at.dg) & (width * width * at.bend < 2 * (at.error - grain * at.dg));
+    const Mask decided = ((low > 0) | (high < 0)) & straight;
     const Lanes better = low + (high - low) * (a.g / (a.g - b.g));
     store(&tasks.part[kL][i], select((better >= low) & (better <= high), better, l));
     store(&tasks.part[kOuter][i], low);
@@ -406,15 +442,23 @@ void find_roots(const Frame& frame, Queue& tasks, Ends& ends, int steps) {
   certify(frame, tasks, ends);
 }
 
-/// The first hit of every line.
+/// The first hit of every line. A rough look at the wells settles most lines, a close one most others.
 void find(const Frame& frame, Queue& lines, Block& block, Ends& ends) {
   if (lines.size == 0) return;
   __builtin_memset(ends.state, kNothing, sizeof ends.state);
-  block.clean.size = block.tasks.size = 0;
+  __builtin_memset(ends.in_left, 0, sizeof ends.in_left);
+  Queue &clean = block.clean, &hard = block.hard, &never = block.pairs;
+  block.tasks.size = clean.size = hard.size = 0;
   pad(lines);
-  look_left(frame, lines, block.clean, block.tasks, ends, 3);
-  pad(block.clean);
-  look_right(frame, block.clean, block.tasks, ends, 3);
+  look_left(frame, lines, {kRough, false, nullptr}, {block.tasks, clean, hard}, ends);
+  pad(hard);
+  look_left(frame, hard, {kClose, true, hard.from}, {block.tasks, clean, never}, ends);
+  hard.size = 0;
+  pad(clean);
+  look_right(frame, clean, {kRough, false, clean.from}, {block.tasks, never, hard}, ends);
+  pad(hard);
+  look_right(frame, hard, {kClose, true, hard.from}, {block.tasks, never, never}, ends);
+  never.size = 0;
   find_roots(frame, block.tasks, ends, 3);
 }
 
@@ -593,19 +637,21 @@ void conclude_pairs(const Frame& frame, const TorusBatch& batch, Block& block, P
 
 void intersect_torus(const TorusBatch& batch, const TorusAnswers& answers) {
   const Frame frame = frame_of(batch.ring, batch.tube);
+  const double unit = 1 / batch.inverse_unit;
   Block block;
   Pairs pairs;
   for (std::size_t begin = 0; begin < batch.count; begin += kBlock) {
     const std::size_t size = batch.count - begin < kBlock ? batch.count - begin : kBlock;
     block.entries.size = block.exits.size = block.pairs.size = 0;
+    __builtin_memset(answers.hits + begin, kOpen, size);
     const double* const rays = &batch.rays[begin].o.x;
     std::size_t i = 0;
     for (; i + kLanes <= size; i += kLanes)
-      cull(frame, batch, rays + 6 * i, i, kLanes, block, answers.hits + begin + i);
+      cull(frame, batch, unit, rays + 6 * i, i, kLanes, block, answers.hits + begin + i);
     if (i < size) {
       double last[6 * kLanes] = {};
       __builtin_memcpy(last, rays + 6 * i, 6 * sizeof(double) * (size - i));
-      cull(frame, batch, last, i, size - i, block, answers.hits + begin + i);
+      cull(frame, batch, unit, last, i, size - i, block, answers.hits + begin + i);
     }
     find(frame, block.entries, block, block.in);
     find(frame, block.exits, block, block.out);
