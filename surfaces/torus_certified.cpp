@@ -1,18 +1,25 @@
 #include <graze/surfaces/torus_certified.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include <graze/solvers/certified.hpp>
+#include <graze/surfaces/local_ray.hpp>
+#include <graze/surfaces/torus_double_double.hpp>
 
 namespace graze {
+namespace {
+
+/// Of R + r: below it the bounds (surfaces/torus.md) say little.
+constexpr double kLeast = 0x1p-20;
+
+}  // namespace
 
 TorusCertified::TorusCertified(const Torus& surface, const Parameters& options)
-    : profile_(surface.profile), set_(Certified::instruction_set(options)) {
-  // Beyond this the bounds of the lanes (surfaces/torus.md) say little, and near a horn nothing.
-  constexpr double kLeast = 0x1p-20;
-  const int unit = surface.unit();
-  if (profile_.tube >= kLeast && profile_.ring - profile_.tube >= kLeast && unit > -1022 && unit < 1022)
-    inverse_unit_ = power_of_two(-unit);
+    : profile_(surface.profile), unit_(surface.unit()), set_(Certified::instruction_set(options)) {
+  if (profile_.tube >= kLeast && profile_.ring - profile_.tube >= kLeast && unit_ > -1022 && unit_ < 1022)
+    inverse_unit_ = power_of_two(-unit_);
 }
 
 void TorusCertified::intersect(std::span<const Ray> rays, bool all, KernelAnswers& answers,
@@ -20,11 +27,15 @@ void TorusCertified::intersect(std::span<const Ray> rays, bool all, KernelAnswer
   if (rays.empty()) return;
   TorusAnswers to{&answers.hits[first]};
   for (std::size_t k = 0; k < KernelAnswers::kMost; ++k) to.l[k] = &answers.l[k][first];
-  if (inverse_unit_ == 0) {
+  if (inverse_unit_ != 0) {
+    run_lanes({rays.data(), rays.size(), profile_.ring, profile_.tube, inverse_unit_, all}, to);
+  } else {
     std::fill_n(to.hits, rays.size(), KernelAnswers::kOpen);
-    return;
   }
-  run_lanes({rays.data(), rays.size(), profile_.ring, profile_.tube, inverse_unit_, all}, to);
+  if (profile_.tube < kLeast || profile_.ring < kLeast) return;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (to.hits[i] == KernelAnswers::kOpen && is_valid(rays[i])) look_again(rays[i], all, answers, first + i);
+  }
 }
 
 void TorusCertified::run_lanes(const TorusBatch& batch, const TorusAnswers& to) const {
@@ -33,6 +44,29 @@ void TorusCertified::run_lanes(const TorusBatch& batch, const TorusAnswers& to) 
   if (set_ == InstructionSet::avx2) return avx2::intersect_torus(batch, to);
 #endif
   baseline::intersect_torus(batch, to);
+}
+
+/// The middle tier: what double-doubles prove of the line, as hits ahead of the origin.
+void TorusCertified::look_again(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const {
+  const LocalRay local = to_unit(ray, unit_);
+  const TorusLineAnswer line = prove_torus_line({local.o, local.d}, profile_.ring, profile_.tube, !all);
+  if (line.open) return;
+  answers.tier[at] = 2;
+  std::size_t hits = 0;
+  double last = 0;
+  for (std::size_t i = 0; i < line.count; ++i) {
+    const TorusCrossing& crossing = line.crossings[i];
+    if ((crossing.hi + line.centre).hi < 0) continue;
+    if (!((crossing.lo + line.centre).hi > 0)) return;  // at the origin, on one side or the other: open
+    const DoubleDouble middle = crossing.lo + 0.5 * (crossing.hi - crossing.lo);
+    const double l = scale_by_power((middle + line.centre).hi, local.l_exponent);
+    if (!(l > 0 && std::isfinite(l))) return;  // beyond the range of double: open
+    // Two crossings are two hits, also where both round to one double.
+    last = l > last ? l : std::nextafter(last, std::numeric_limits<double>::infinity());
+    answers.l[hits++][at] = last;
+    if (!all) break;
+  }
+  answers.hits[at] = static_cast<std::int8_t>(hits);
 }
 
 }  // namespace graze

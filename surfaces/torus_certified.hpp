@@ -30,9 +30,11 @@ class TorusCertified {
 
  private:
   void run_lanes(const TorusBatch& batch, const TorusAnswers& to) const;
+  void look_again(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const;
 
   TorusProfile profile_;
-  double inverse_unit_ = 0;  ///< 2^-unit; 0 where all rays are left open
+  int unit_;
+  double inverse_unit_ = 0;  ///< 2^-unit; 0 where lanes are not for this torus
   InstructionSet set_;
 };
 
