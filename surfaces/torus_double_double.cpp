@@ -32,7 +32,8 @@ class Line {
     const double far = -dot(ray.o, ray.d) / dd;
     DoubleDouble p[3];
     for (int i = 0; i < 3; ++i) p[i] = two_prod(far, d[i]) + o[i];
-    const double near = -(p[0].hi * d[0] + p[1].hi * d[1] + p[2].hi * d[2]) / dd;
+    // The second step takes what the rounding of the first left, to twice the digits.
+    const double near = -(p[0] * d[0] + p[1] * d[1] + p[2] * d[2]).hi / dd;
     centre_ = two_sum(far, near);
     double size_p = 0;
     for (int i = 0; i < 3; ++i) {
@@ -149,11 +150,14 @@ Well well_of(const Line& line, double sense) {
   constexpr int kSteps = 40, kSharp = 3;
   const double i = line.cubic_i(), j = -sense * line.cubic_j();
   const double edge = line.edge().hi, most = std::max(line.extent(), edge);
+  const auto h = [&](double v) { return (v * v - 3 * i) * v - j; };
   double v = std::sqrt(std::max(3 * i, 0.0)) + j / (i > 0 ? 6 * i : -3 * i);
   v = v >= edge && v <= most ? v : most;
-  for (int n = 0; n < kSteps; ++n) {
-    const double h = (v * v - 3 * i) * v - j, dh = 3 * (v * v - i), under = dh * dh - 3 * h * v;
-    const double next = under != 0 ? std::clamp(v - h * dh / under, edge, most) : edge;
+  // h grows from the edge on: without a sign change f has no lowest point beyond it.
+  if (h(edge) >= 0) v = edge;
+  for (int n = 0; n < kSteps && v != edge; ++n) {
+    const double dh = 3 * (v * v - i), under = dh * dh - 3 * h(v) * v;
+    const double next = under != 0 ? std::clamp(v - h(v) * dh / under, edge, most) : edge;
     const double way = std::fabs(next - v);
     v = next;
     if (way <= 0x1p-50 * v) break;
@@ -191,7 +195,8 @@ Well well_of(const Line& line, double sense) {
 std::optional<TorusCrossing> crossing(const Line& line, const Well& well, double sense) {
   constexpr int kSteps = 30, kSharp = 3, kWiden = 6;
   const double half = 0.5 * well.value.ddf, depth = -well.value.f.hi;
-  double e = std::min(std::sqrt(depth / half), 2 * line.extent());
+  // At an edge f'' vanishes: from as far as hits are.
+  double e = half > 0 ? std::min(std::sqrt(depth / half), 2 * line.extent()) : line.extent();
   for (int n = 0; n < 3; ++n)
     e = std::sqrt(depth / std::max(half + line.lead() * e * (e + 4 * sense * well.z.hi), 0.25 * half));
   DoubleDouble at = well.z + sense * e;
@@ -221,13 +226,17 @@ std::optional<TorusCrossing> crossing(const Line& line, const Well& well, double
   return std::nullopt;
 }
 
-/// Whether f rises from the edge of the well's own side to `end`, where it is below zero.
-bool is_inside_until(const Line& line, const DoubleDouble& end, double sense) {
-  // The side on which f is convex: below zero at both ends, below zero between.
-  if (sense * end < -line.edge()) return true;
+/// Whether f rises all the way from -edge to `end` or, beyond the edge, to wherever (sense 1; -1: reversed).
+bool rises_until(const Line& line, const DoubleDouble& end, double sense) {
   const DoubleDouble at = sense * end < line.edge() ? end : sense * line.edge();
   const Value value = line.value(at);
   return sense * value.df.hi - value.slope_error > kPay * 2 * line.bend() * line.edge().hi;
+}
+
+/// Whether f is below zero from the well on the side -sense to `end`, where it is.
+bool is_inside_until(const Line& line, const DoubleDouble& end, double sense) {
+  // The side on which f is convex: below zero at both ends, below zero between.
+  return sense * end < -line.edge() || rises_until(line, end, sense);
 }
 
 /// The highest point between two wells.
@@ -292,7 +301,9 @@ class Prover {
   /// Four changes of sign are all; else the line is inside between the outer two.
   void two_wells(const Well& left, const Well& right) {
     DoubleDouble top;
-    const Side summit = summit_of(line_, top);
+    // What looks like a well at an edge from which f only rises is the way out of the other one.
+    const bool is_one = rises_until(line_, right.z, 1) || rises_until(line_, left.z, -1);
+    const Side summit = is_one ? Side::inside : summit_of(line_, top);
     if (summit == Side::unknown) return;
     if (summit == Side::outside && !(left.z < top && top < right.z && add(left, 1) && add(right, -1))) return;
     if (!add(right, 1)) return;

@@ -192,7 +192,9 @@ struct Well {
     const Lanes h = fma(fma(-3.0 + Lanes{}, i, square), v, -j), dh = 3 * (square - i);
     v = clamp(v - h * dh / fma(dh, dh, -3 * h * v), s, region);
   }
-  return v;
+  // h grows from the edge on: without a sign change f has no lowest point beyond it.
+  const Lanes at_edge = fma(fma(-3.0 + Lanes{}, i, region.edge * region.edge), region.edge, -j);
+  return select(at_edge >= 0, region.edge, v);
 }
 
 /// `polish`: a last step of Newton's, to where f' is positive for certain: nothing is lost to the right of
@@ -504,11 +506,16 @@ void look_between(const Frame& frame, const Queue& lines, Pairs& pairs) {
       top = max(min(top, region.edge), -region.edge);
     }
     const Value summit = evaluate(frame, s, top);
-    const unsigned above = to_bits(summit.f > 0);
-    const unsigned below =
-        to_bits(summit.f + summit.error +
-                    kPay * (2 * (abs(summit.df) + summit.slope_error) * region.edge + 4 * region.slack) <
-                0);
+    const Mask under =
+        summit.f + summit.error +
+            kPay * (2 * (abs(summit.df) + summit.slope_error) * region.edge + 4 * region.slack) <
+        0;
+    // What looks like a well at an edge from which f only rises is the way out of the other one.
+    const Value left = evaluate(frame, s, -region.edge), right = evaluate(frame, s, region.edge);
+    const Lanes change = kPay * 2 * region.bend * region.edge;
+    const Mask rises = (right.df - right.slope_error > change) & (right.f < -right.error);
+    const Mask falls = (-left.df - left.slope_error > change) & (left.f < -left.error);
+    const unsigned above = to_bits(summit.f > 0), below = to_bits(under | rises | falls);
     for (std::size_t n = 0; n < kLanes; ++n) {
       const Between one = (one_well >> n & 1U) != 0 ? kInside : kUnknown;
       const Between two = (below >> n & 1U) != 0 ? kInside : (above >> n & 1U) != 0 ? kPerhapsFour : kUnknown;
