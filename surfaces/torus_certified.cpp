@@ -18,7 +18,7 @@ constexpr double kLeast = 0x1p-20;
 
 TorusCertified::TorusCertified(const Torus& surface, const Parameters& options)
     : profile_(surface.profile), unit_(surface.unit()), set_(Certified::instruction_set(options)) {
-  if (profile_.tube >= kLeast && profile_.ring - profile_.tube >= kLeast && unit_ > -1022 && unit_ < 1022)
+  if (profile_.tube >= kLeast && profile_.ring >= kLeast && unit_ > -1022 && unit_ < 1022)
     inverse_unit_ = power_of_two(-unit_);
 }
 

@@ -1,7 +1,7 @@
 // The torus's kernel for `certified`: many rays at once, each answer proved.
 //
 // solves    f(l) = K^2 + 4 R^2 (y^2 - r^2) = 0 for l > 0, formulation quartic_recentred, rays in batches
-// needs     finite rays and a ring torus with r and R - r at least 2^-20 of R + r; all else is left open
+// needs     finite rays and a torus with R and r at least 2^-20 of R + r; all else is left open
 // returns   by ray: the proved number of hits and their l; open (-1) where double arithmetic proves nothing:
 //           the solver's own tiers answer those
 // error     of l: measured, at most 4 condition units, eps (|l| + L/|n.d|); proof of the count and error

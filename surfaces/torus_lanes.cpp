@@ -1,4 +1,4 @@
-// Hits of many rays with a ring torus, proved in double. Compiled once for each instruction set; derivation
+// Hits of many rays with a torus, proved in double. Compiled once for each instruction set; derivation
 // and error analysis: surfaces/torus.md, "Kernel".
 #include <graze/surfaces/torus_lanes.hpp>
 
@@ -22,15 +22,17 @@ struct Frame {
   double sum, sum_tail;  ///< R^2 + r^2
   double reach;          ///< 2 R r: |K| is no larger on the surface
   double flatness;       ///< R / r
+  bool is_ring;          ///< F2 is nowhere small
 };
 
 Frame frame_of(double ring, double tube) {
   const double big = ring * ring, small = tube * tube;
   const double sum = big + small;
-  // R > r: what the sum rounds off, and what the squares did.
+  // What the sum rounds off, and what the squares did.
+  const double larger = big > small ? big : small, smaller = big > small ? small : big;
   const double tail =
-      (small - (sum - big)) + __builtin_fma(ring, ring, -big) + __builtin_fma(tube, tube, -small);
-  return {ring, tube, 4 * big, sum, tail, 2 * ring * tube, ring / tube};
+      (smaller - (sum - larger)) + __builtin_fma(ring, ring, -big) + __builtin_fma(tube, tube, -small);
+  return {ring, tube, 4 * big, sum, tail, 2 * ring * tube, ring / tube, ring - tube >= 0x1p-20};
 }
 
 /// Parts of a queue's entries. A line and a task have the first ten in common.
@@ -372,45 +374,63 @@ void step(const Frame& frame, Queue& tasks) {
   }
 }
 
-/// G = (rho - R)^2 + y^2 - r^2 at the double l of the ray itself, f = G F2, with a bound on its error.
+/// f = G other at the double l of the ray itself, G the factor that is nearer to zero and other > 0:
+/// F1 = (rho - R)^2 + y^2 - r^2 of the outer sheet, or -F2, F2 = (rho + R)^2 + y^2 - r^2, of the inner one.
 struct Place {
   Lanes g, error;
-  Lanes dg, bend;  ///< slope, and the size of the second derivative
-  Lanes other;     ///< F2 = (rho + R)^2 + y^2 - r^2 > 0
+  Lanes dg, bend;            ///< slope, and the size of the second derivative
+  Lanes other, other_error;  ///< a ring torus is far enough from F2 = 0 to need no error
 };
 
+template <bool kRing>
 [[gnu::always_inline]] inline Place place_at(const Frame& frame, const Queue& tasks, std::size_t i, Lanes l) {
   const Lanes dx = part(tasks, kDx, i), dy = part(tasks, kDy, i), dz = part(tasks, kDz, i);
   const Lanes x = fma(l, dx, part(tasks, kOx, i)), y = fma(l, dy, part(tasks, kOy, i)),
               z = fma(l, dz, part(tasks, kOz, i));
   const Lanes rho = sqrt(fma(x, x, z * z));
-  const Lanes out = rho - frame.ring, in = rho + frame.ring, size = abs(out);
   const Lanes drop = (y - frame.tube) * (y + frame.tube);
-  const Lanes error =
-      kPay * kU * (7 * (size + 8 * kU * rho) * rho + 4 * out * out + 3 * y * y + 5 * abs(drop));
+  const Lanes flat = 3 * y * y + 5 * abs(drop);
+  const auto error_of = [&](Lanes out) {
+    return kPay * kU * (7 * (abs(out) + 8 * kU * rho) * rho + 4 * out * out + flat);
+  };
+  Lanes out = rho - frame.ring, in = rho + frame.ring;
+  const Lanes outer = fma(out, out, drop), inner = fma(in, in, drop);
+  Place place{outer, error_of(out), out, out, inner, Lanes{}};
+  if constexpr (!kRing) {
+    const Mask is_inner = abs(inner) < abs(outer);
+    place.other_error = error_of(select(is_inner, out, in));
+    out = select(is_inner, in, out);
+    place.error = error_of(out);
+    place.g = select(is_inner, -inner, outer);
+    place.other = select(is_inner, -outer, inner);
+    place.dg = select(is_inner, all(-2), all(2));
+  } else {
+    place.dg = all(2);
+  }
   const Lanes per_rho = 1 / rho;
-  const Lanes dg = 2 * fma(out * per_rho, fma(x, dx, z * dz), y * dy);
-  const Lanes bend = 2 * fma(dx, dx, fma(dy, dy, dz * dz)) * (1 + size * per_rho);
-  return {fma(out, out, drop), error, dg, bend, fma(in, in, drop)};
+  place.dg *= fma(out * per_rho, fma(x, dx, z * dz), y * dy);
+  place.bend = 2 * fma(dx, dx, fma(dy, dy, dz * dz)) * (1 + abs(out) * per_rho);
+  return place;
 }
 
 /// The proof: outside before a bracket about the approximation, inside behind it. Leaves l and the bracket.
+template <bool kRing>
 void certify(const Frame& frame, Queue& tasks, Ends& ends) {
   for (std::size_t i = 0; i < tasks.size; i += kLanes) {
     const Lanes centre = part(tasks, kCentre, i), shift = part(tasks, kShift, i);
     const Lanes slack = part(tasks, kSlack, i);
     const Lanes l0 = centre + (shift + part(tasks, kDelta, i));
-    const Place at = place_at(frame, tasks, i, l0);
+    const Place at = place_at<kRing>(frame, tasks, i, l0);
     const Lanes per_slope = 1 / (at.other * at.dg);
     const Lanes l = l0 - at.g * (at.other * per_slope);
     // Wide enough for the bound on G and for f > slack, and for what l itself was rounded by.
     const Lanes grain = 4 * kU * (abs(l) + abs(centre) + abs(shift));
     const Lanes width = grain - 4 * fma(at.error, at.other, slack) * per_slope;
     const Lanes low = l - width, high = l + width;
-    const Place a = place_at(frame, tasks, i, low);
-    const Place b = place_at(frame, tasks, i, high);
-    const Mask outside = (a.g - a.error) * a.other > 2 * slack;
-    const Mask inside = b.g < -b.error;
+    const Place a = place_at<kRing>(frame, tasks, i, low);
+    const Place b = place_at<kRing>(frame, tasks, i, high);
+    const Mask outside = (a.g > a.error) & ((a.g - a.error) * (a.other - a.other_error) > 2 * slack);
+    const Mask inside = (b.g < -b.error) & (b.other > b.other_error);
     const Mask within = ((high - centre) - shift) + 2 * grain < part(tasks, kLimit, i);
     // A bracket that holds the origin does not say whether the hit is ahead of it; one in which G bends by
     // more than its error is no place for a secant.
@@ -441,7 +461,11 @@ void pad(Queue& queue) {
 void find_roots(const Frame& frame, Queue& tasks, Ends& ends, int steps) {
   pad(tasks);
   for (int n = 0; n < steps; ++n) step(frame, tasks);
-  certify(frame, tasks, ends);
+  if (frame.is_ring) {
+    certify<true>(frame, tasks, ends);
+  } else {
+    certify<false>(frame, tasks, ends);
+  }
 }
 
 /// The first hit of every line. A rough look at the wells settles most lines, a close one most others.

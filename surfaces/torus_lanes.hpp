@@ -8,12 +8,12 @@
 
 namespace graze {
 
-/// Rays of one ring torus: lengths in units of 2^unit, where R + r is in [1, 2).
+/// Rays of one torus: lengths in units of 2^unit, where R + r is in [1, 2).
 struct TorusBatch {
   const Ray* rays = nullptr;
   std::size_t count = 0;
   double ring = 1;          ///< R
-  double tube = 0;          ///< r, R - r >= 2^-20 and r >= 2^-20
+  double tube = 0;          ///< r; both at least 2^-20
   double inverse_unit = 1;  ///< 2^-unit
   bool all = false;         ///< all hits wanted; else the first
 };
