@@ -218,6 +218,8 @@ std::optional<TorusCrossing> crossing(const Line& line, const Well& well, double
                  0x1p-100 * (std::fabs(at.hi) + std::fabs(line.centre().hi));
   for (int n = 0; n < kWiden; ++n, width *= 8) {
     const DoubleDouble out = at + sense * width, in = at - sense * width;
+    // Less than a condition unit of l, where L >= 1 and |d| < 4: near a point where sheets cross f is flat.
+    if (!(width <= 0x1p-52 * (std::fabs((at + line.centre()).hi) + 0.25))) return std::nullopt;
     // Between the well and the outside, and narrow against the way from the well.
     if (!(64 * width < std::fabs((at - well.z).hi))) return std::nullopt;
     if (line.value(out).is_outside(line.slack()) && line.value(in).is_inside())

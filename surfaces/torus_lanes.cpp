@@ -85,8 +85,8 @@ struct Ends {
 
 struct Block {
   Queue entries, exits, clean, hard, tasks, pairs;
-  Ends in, out, second, third;
   alignas(64) double back[kPadded];  ///< l of the caller = l here * back
+  Ends in, out, second, third;
 };
 
 template <std::size_t N>
@@ -380,10 +380,13 @@ struct Place {
   Lanes g, error;
   Lanes dg, bend;            ///< slope, and the size of the second derivative
   Lanes other, other_error;  ///< a ring torus is far enough from F2 = 0 to need no error
+  Mask is_inner;             ///< G is -F2
 };
 
+/// `same`: a place of which the sheet is to be taken, or none.
 template <bool kRing>
-[[gnu::always_inline]] inline Place place_at(const Frame& frame, const Queue& tasks, std::size_t i, Lanes l) {
+[[gnu::always_inline]] inline Place place_at(const Frame& frame, const Queue& tasks, std::size_t i, Lanes l,
+                                             const Place* same) {
   const Lanes dx = part(tasks, kDx, i), dy = part(tasks, kDy, i), dz = part(tasks, kDz, i);
   const Lanes x = fma(l, dx, part(tasks, kOx, i)), y = fma(l, dy, part(tasks, kOy, i)),
               z = fma(l, dz, part(tasks, kOz, i));
@@ -395,9 +398,10 @@ template <bool kRing>
   };
   Lanes out = rho - frame.ring, in = rho + frame.ring;
   const Lanes outer = fma(out, out, drop), inner = fma(in, in, drop);
-  Place place{outer, error_of(out), out, out, inner, Lanes{}};
+  Place place{outer, error_of(out), out, out, inner, Lanes{}, Mask{}};
   if constexpr (!kRing) {
-    const Mask is_inner = abs(inner) < abs(outer);
+    const Mask is_inner = same == nullptr ? abs(inner) < abs(outer) : same->is_inner;
+    place.is_inner = is_inner;
     place.other_error = error_of(select(is_inner, out, in));
     out = select(is_inner, in, out);
     place.error = error_of(out);
@@ -420,15 +424,15 @@ void certify(const Frame& frame, Queue& tasks, Ends& ends) {
     const Lanes centre = part(tasks, kCentre, i), shift = part(tasks, kShift, i);
     const Lanes slack = part(tasks, kSlack, i);
     const Lanes l0 = centre + (shift + part(tasks, kDelta, i));
-    const Place at = place_at<kRing>(frame, tasks, i, l0);
+    const Place at = place_at<kRing>(frame, tasks, i, l0, nullptr);
     const Lanes per_slope = 1 / (at.other * at.dg);
     const Lanes l = l0 - at.g * (at.other * per_slope);
     // Wide enough for the bound on G and for f > slack, and for what l itself was rounded by.
     const Lanes grain = 4 * kU * (abs(l) + abs(centre) + abs(shift));
     const Lanes width = grain - 4 * fma(at.error, at.other, slack) * per_slope;
     const Lanes low = l - width, high = l + width;
-    const Place a = place_at<kRing>(frame, tasks, i, low);
-    const Place b = place_at<kRing>(frame, tasks, i, high);
+    const Place a = place_at<kRing>(frame, tasks, i, low, &at);
+    const Place b = place_at<kRing>(frame, tasks, i, high, &at);
     const Mask outside = (a.g > a.error) & ((a.g - a.error) * (a.other - a.other_error) > 2 * slack);
     const Mask inside = (b.g < -b.error) & (b.other > b.other_error);
     const Mask within = ((high - centre) - shift) + 2 * grain < part(tasks, kLimit, i);
