@@ -435,11 +435,12 @@ void certify(const Frame& frame, Queue& tasks, Ends& ends) {
     const Place b = place_at<kRing>(frame, tasks, i, high, &at);
     const Mask outside = (a.g > a.error) & ((a.g - a.error) * (a.other - a.other_error) > 2 * slack);
     const Mask inside = (b.g < -b.error) & (b.other > b.other_error);
-    const Mask within = ((high - centre) - shift) + 2 * grain < part(tasks, kLimit, i);
+    const Lanes rounding = 8 * kU * (abs(high) + abs(centre) + abs(shift));
+    const Mask within = ((high - centre) - shift) + rounding < part(tasks, kLimit, i);
     // A bracket that holds the origin does not say whether the hit is ahead of it; one in which G bends by
-    // more than its error is no place for a secant.
+    // more than an eighth of its error is no place for a secant.
     const Mask straight =
-        (64 * width * at.bend < -at.dg) & (width * width * at.bend < 2 * (at.error - grain * at.dg));
+        (64 * width * at.bend < -at.dg) & (4 * width * width * at.bend < at.error - grain * at.dg);
     const Mask decided = ((low > 0) | (high < 0)) & straight;
     const Lanes better = low + (high - low) * (a.g / (a.g - b.g));
     store(&tasks.part[kL][i], select((better >= low) & (better <= high), better, l));
@@ -544,7 +545,7 @@ void look_between(const Frame& frame, const Queue& lines, Pairs& pairs) {
     const Mask rises = (right.df - right.slope_error > change) & (right.f < -right.error);
     const Mask falls = (-left.df - left.slope_error > change) & (left.f < -left.error);
     const unsigned above = to_bits(summit.f > 0), below = to_bits(under | rises | falls);
-    for (std::size_t n = 0; n < kLanes; ++n) {
+    for (std::size_t n = 0; n < kLanes && i + n < lines.size; ++n) {
       const Between one = (one_well >> n & 1U) != 0 ? kInside : kUnknown;
       const Between two = (below >> n & 1U) != 0 ? kInside : (above >> n & 1U) != 0 ? kPerhapsFour : kUnknown;
       pairs.between[i + n] = pairs.pair[i + n].two_wells ? two : one;
@@ -644,6 +645,7 @@ void conclude_pairs(const Frame& frame, const TorusBatch& batch, Block& block, P
   const std::size_t count = block.pairs.size;
   if (count == 0) return;
   pad(block.pairs);
+  store(&pairs.until[count], Lanes{});
   look_between(frame, block.pairs, pairs);
   find_inner(frame, block.exits, pairs, count, true, block.in, block.tasks, block.second);
   find_inner(frame, block.entries, pairs, count, false, block.out, block.tasks, block.third);
