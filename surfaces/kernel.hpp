@@ -13,8 +13,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -60,6 +62,35 @@ struct KernelAnswers {
     tier.assign(count, 1);
     for (std::vector<double>& one : l) one.resize(count);
   }
+};
+
+/// Hits of one ray on their way into the answers, for tiers that take a ray at a time; a ray that is not
+/// closed stays as it was.
+class HitsOfRay {
+ public:
+  HitsOfRay(KernelAnswers& answers, std::size_t at) : answers_(answers), at_(at) {}
+
+  /// The next hit, ascending; false where l leaves the range of double or there are too many.
+  [[nodiscard]] bool add(double l, std::uint32_t multiplicity) {
+    if (!(l > 0 && std::isfinite(l)) || count_ == KernelAnswers::kMost) return false;
+    // Two hits are two, also where both round to one double.
+    if (count_ > 0 && l <= answers_.l[count_ - 1][at_])
+      l = std::nextafter(answers_.l[count_ - 1][at_], std::numeric_limits<double>::infinity());
+    if (multiplicity == 2) touching_ |= static_cast<std::uint8_t>(1U << count_);
+    answers_.l[count_++][at_] = l;
+    return true;
+  }
+  void close(std::uint8_t tier) {
+    answers_.hits[at_] = static_cast<std::int8_t>(count_);
+    answers_.touching[at_] = touching_;
+    answers_.tier[at_] = tier;
+  }
+
+ private:
+  KernelAnswers& answers_;
+  std::size_t at_;
+  std::size_t count_ = 0;
+  std::uint8_t touching_ = 0;
 };
 
 /// Kernels of all surfaces of one group: one virtual call a batch.

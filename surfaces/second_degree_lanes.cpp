@@ -40,61 +40,13 @@ void subtract(Lanes o, double c, Lanes& difference, Lanes& rest) {
   rest = (o - (difference - moved)) - (c + moved);
 }
 
-/// The six numbers of each ray, one vector a coordinate: o, then d.
-#if defined(__AVX512F__) && defined(__AVX512DQ__)
-/// Rays 0 to 3 and 4 to 7 lie alike in three vectors each: two blends gather a pair of coordinates of four
-/// rays, in another order, and one permutation a coordinate puts both halves in order.
-[[gnu::always_inline]] inline void load_rays(const double* from, Vector& o, Vector& d) {
-  const Lanes a = load(from), b = load(from + 8), c = load(from + 16);
-  const Lanes e = load(from + 24), f = load(from + 32), g = load(from + 40);
-  const auto first = [](Lanes p, Lanes q, Lanes r) {  // rays 0, 3, 2, 1
-    return __builtin_shufflevector(__builtin_shufflevector(p, q, 0, 1, 2, 3, 12, 13, 6, 7), r, 0, 1, 10, 11,
-                                   4, 5, 6, 7);
-  };
-  const auto second = [](Lanes p, Lanes q, Lanes r) {  // rays 1, 0, 3, 2
-    return __builtin_shufflevector(__builtin_shufflevector(p, q, 8, 9, 2, 3, 4, 5, 14, 15), r, 0, 1, 2, 3, 12,
-                                   13, 6, 7);
-  };
-  const auto third = [](Lanes p, Lanes q, Lanes r) {  // rays 2, 1, 0, 3
-    return __builtin_shufflevector(__builtin_shufflevector(p, q, 0, 1, 10, 11, 4, 5, 6, 7), r, 8, 9, 2, 3, 4,
-                                   5, 14, 15);
-  };
-  const Lanes s = first(a, b, c), t = first(e, f, g);
-  const Lanes v = second(a, b, c), w = second(e, f, g);
-  const Lanes x = third(a, b, c), y = third(e, f, g);
-  o.x = __builtin_shufflevector(s, t, 0, 6, 4, 2, 8, 14, 12, 10);
-  o.y = __builtin_shufflevector(s, t, 1, 7, 5, 3, 9, 15, 13, 11);
-  o.z = __builtin_shufflevector(v, w, 2, 0, 6, 4, 10, 8, 14, 12);
-  d.x = __builtin_shufflevector(v, w, 3, 1, 7, 5, 11, 9, 15, 13);
-  d.y = __builtin_shufflevector(x, y, 4, 2, 0, 6, 12, 10, 8, 14);
-  d.z = __builtin_shufflevector(x, y, 5, 3, 1, 7, 13, 11, 9, 15);
-}
-#elif defined(__AVX2__) && defined(__FMA__)
-/// The same in halves of two numbers: those of rays 0 and 2, those of rays 1 and 3, and both in turn.
-[[gnu::always_inline]] inline void load_rays(const double* from, Vector& o, Vector& d) {
-  const Lanes a = load(from), b = load(from + 4), c = load(from + 8);
-  const Lanes e = load(from + 12), f = load(from + 16), g = load(from + 20);
-  const auto pairs = [](Lanes even, Lanes odd, Lanes& low, Lanes& high) {
-    low = __builtin_shufflevector(even, odd, 0, 4, 2, 6);
-    high = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
-  };
-  pairs(__builtin_shufflevector(a, e, 0, 1, 4, 5), __builtin_shufflevector(b, f, 2, 3, 6, 7), o.x, o.y);
-  pairs(__builtin_shufflevector(a, e, 2, 3, 6, 7), __builtin_shufflevector(c, g, 0, 1, 4, 5), o.z, d.x);
-  pairs(__builtin_shufflevector(b, f, 0, 1, 4, 5), __builtin_shufflevector(c, g, 2, 3, 6, 7), d.y, d.z);
-}
-#else
-[[gnu::always_inline]] inline void load_rays(const double* from, Vector& o, Vector& d) {
-  const auto at = [&](std::size_t k) { return load_strided(from + k, 6); };
-  o = {at(0), at(1), at(2)};
-  d = {at(3), at(4), at(5)};
-}
-#endif
-
 /// Lengths in the surface's unit, the largest |d_i| in [1, 2): exact, short of underflow.
 template <bool kCentral>
 [[gnu::always_inline]] inline Rays rays_at(const Surface& surface, const double* from) {
-  Vector o, d;
-  load_rays(from, o, d);
+  Lanes x[6];
+  load_records(from, x);
+  Vector o{x[0], x[1], x[2]};
+  const Vector d{x[3], x[4], x[5]};
   const Lanes shrink = reciprocal_power(max(abs(d.x), max(abs(d.y), abs(d.z))));
   o = {o.x * surface.inverse_unit, o.y * surface.inverse_unit, o.z * surface.inverse_unit};
   Rays rays{o, {}, {d.x * shrink, d.y * shrink, d.z * shrink}, shrink * surface.unit};

@@ -12,31 +12,6 @@
 namespace graze {
 namespace {
 
-/// Hits of one ray on their way into the answers: open where one leaves the range of double.
-class HitsOfRay {
- public:
-  HitsOfRay(KernelAnswers& answers, std::size_t at) : answers_(answers), at_(at) {}
-
-  bool add(double l, std::uint32_t multiplicity) {
-    if (!(l > 0 && std::isfinite(l))) return false;
-    // Two crossings are two hits, also where both round to one double.
-    if (count_ > 0 && l <= answers_.l[count_ - 1][at_])
-      l = std::nextafter(answers_.l[count_ - 1][at_], std::numeric_limits<double>::infinity());
-    if (multiplicity == 2) answers_.touching[at_] |= static_cast<std::uint8_t>(1U << count_);
-    answers_.l[count_++][at_] = l;
-    return true;
-  }
-  void close(std::uint8_t tier) {
-    answers_.hits[at_] = static_cast<std::int8_t>(count_);
-    answers_.tier[at_] = tier;
-  }
-
- private:
-  KernelAnswers& answers_;
-  std::size_t at_;
-  std::size_t count_ = 0;
-};
-
 /// Whether the crossing lies ahead of the ray's origin; nothing where that is not known. A bracket that holds
 /// the origin is narrower than any digit of l that counts: the side of the origin decides.
 std::optional<bool> is_ahead(const LineAnswer& line, const LineCrossing& crossing, bool enters) {

@@ -1,8 +1,6 @@
 #include <graze/surfaces/torus_certified.hpp>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include <graze/solvers/certified.hpp>
 #include <graze/surfaces/local_ray.hpp>
@@ -51,22 +49,16 @@ void TorusCertified::look_again(const Ray& ray, bool all, KernelAnswers& answers
   const LocalRay local = to_unit(ray, unit_);
   const TorusLineAnswer line = prove_torus_line({local.o, local.d}, profile_.ring, profile_.tube, !all);
   if (line.open) return;
-  answers.tier[at] = 2;
-  std::size_t hits = 0;
-  double last = 0;
+  HitsOfRay hits(answers, at);
   for (std::size_t i = 0; i < line.count; ++i) {
     const TorusCrossing& crossing = line.crossings[i];
     if ((crossing.hi + line.centre).hi < 0) continue;
     if (!((crossing.lo + line.centre).hi > 0)) return;  // at the origin, on one side or the other: open
     const DoubleDouble middle = crossing.lo + 0.5 * (crossing.hi - crossing.lo);
-    const double l = scale_by_power((middle + line.centre).hi, local.l_exponent);
-    if (!(l > 0 && std::isfinite(l))) return;  // beyond the range of double: open
-    // Two crossings are two hits, also where both round to one double.
-    last = l > last ? l : std::nextafter(last, std::numeric_limits<double>::infinity());
-    answers.l[hits++][at] = last;
+    if (!hits.add(scale_by_power((middle + line.centre).hi, local.l_exponent), 1)) return;
     if (!all) break;
   }
-  answers.hits[at] = static_cast<std::int8_t>(hits);
+  hits.close(2);
 }
 
 }  // namespace graze

@@ -236,12 +236,12 @@ struct Well {
 /// Brings kLanes rays to the frame; queues those that may hit.
 void cull(const Frame& frame, const TorusBatch& batch, double unit, const double* rays, std::size_t at,
           std::size_t count, Block& block, std::int8_t* hits) {
-  const Lanes qx = load_strided(rays + 3, 6), qy = load_strided(rays + 4, 6), qz = load_strided(rays + 5, 6);
-  const Lanes shrink = reciprocal_power(max(abs(qx), max(abs(qy), abs(qz))));
-  const Lanes ox = load_strided(rays, 6) * batch.inverse_unit,
-              oy = load_strided(rays + 1, 6) * batch.inverse_unit,
-              oz = load_strided(rays + 2, 6) * batch.inverse_unit;
-  const Lanes dx = qx * shrink, dy = qy * shrink, dz = qz * shrink;
+  Lanes x[6];
+  load_records(rays, x);
+  const Lanes shrink = reciprocal_power(max(abs(x[3]), max(abs(x[4]), abs(x[5]))));
+  const double scale = batch.inverse_unit;
+  const Lanes ox = x[0] * scale, oy = x[1] * scale, oz = x[2] * scale;
+  const Lanes dx = x[3] * shrink, dy = x[4] * shrink, dz = x[5] * shrink;
   const Lanes a = fma(dx, dx, fma(dy, dy, dz * dz)), per_a = 1 / a;
   // The foot, in two steps: the second takes what the rounding of a far centre left.
   const Lanes centre = -per_a * fma(ox, dx, fma(oy, dy, oz * dz));
@@ -407,9 +407,9 @@ template <bool kRing>
     place.error = error_of(out);
     place.g = select(is_inner, -inner, outer);
     place.other = select(is_inner, -outer, inner);
-    place.dg = select(is_inner, all(-2), all(2));
+    place.dg = select(is_inner, all(-2.0), all(2.0));
   } else {
-    place.dg = all(2);
+    place.dg = all(2.0);
   }
   const Lanes per_rho = 1 / rho;
   place.dg *= fma(out * per_rho, fma(x, dx, z * dz), y * dy);
