@@ -434,6 +434,31 @@ void BezierPolynomial::lift(const LocalRay& ray, const Posed& posed, const Root&
   hits.back().multiplicity = at_pole && posed.kind == kSurface ? 1 : root.multiplicity;
 }
 
+double BezierPolynomial::place(const LocalRay& ray, double delta) const {
+  const Vec3 x = ray.at(delta);
+  const double radius = std::hypot(x.x, x.z);
+  double nearest = std::numeric_limits<double>::infinity();
+  double t = 0;
+  for (const MonotonePiece& piece : profile_.pieces) {
+    const double height = std::clamp(x.y, piece.y_lo, piece.y_hi);
+    const double candidate = profile_.invert(piece, height);
+    const double distance = std::hypot(x.y - height, radius - std::fabs(profile_.at(candidate).r));
+    if (distance < nearest) {
+      nearest = distance;
+      t = candidate;
+    }
+  }
+  // Where Y turns its height hardly says t: the foot of the point on the curve, by Gauss and Newton, does.
+  for (int step = 0; step < 2; ++step) {
+    const ProfilePoint c = profile_.at(t);
+    const double dr = std::copysign(1.0, c.r) * c.dr;
+    const double move = (radius - std::fabs(c.r)) * dr + (x.y - c.y) * c.dy;
+    const double size = dr * dr + c.dy * c.dy;
+    if (size > 0) t = std::clamp(t + move / size, 0.0, 1.0);
+  }
+  return t;
+}
+
 // ----------------------------------------------------------------------------------------------- along_ray
 
 BezierAlongRay::BezierAlongRay(const BezierRevolution& surface)

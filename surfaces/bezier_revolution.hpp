@@ -61,6 +61,8 @@ struct BezierPolynomial {
   explicit BezierPolynomial(const BezierRevolution& surface);
   void pose(const LocalRay& ray, EquationBlock& block) const;
   void lift(const LocalRay& ray, const Posed& posed, const Root& root, std::vector<LocalHit>& hits) const;
+  /// t of the surface's point at delta: of the nearest one.
+  [[nodiscard]] double place(const LocalRay& ray, double delta) const;
 
  private:
   void pose_circles(const LocalRay& ray, EquationBlock& block) const;

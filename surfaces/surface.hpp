@@ -90,7 +90,9 @@ struct SurfaceInfo {
 ///   static FormulationInfo info();
 ///   void pose(const LocalRay&, EquationBlock&) const;      // in block.form()
 ///   void lift(const LocalRay&, const Posed&, const Root&, std::vector<LocalHit>&) const;
-/// `lift` appends hits with their delta; those with l <= 0 are dropped by the caller.
+/// `lift` appends hits with their delta; those with l <= 0 are dropped by the caller. A formulation that a
+/// kernel answers and whose unknown is not l also has
+///   double place(const LocalRay&, double delta) const;     // t of the surface's point at delta
 template <class F, class S>
 concept Formulation = std::constructible_from<F, const S&> &&
     requires(const F& f, const LocalRay& ray, EquationBlock& block, const Posed& posed, const Root& root,
@@ -245,11 +247,15 @@ class GroupModel final : public AnyGroup {
     for (LocalHit& hit : hits) {
       if (!hit.is_world) continue;
       const LocalRay& ray = rays[hit.ray];
-      lifted.clear();
       const double delta = scale_by_power(hit.delta, -ray.l_exponent) - ray.centre;
-      formulation(ray).lift(ray, {}, {.x = delta, .others = {}}, lifted);
       hit.delta = delta;
-      hit.t = lifted.empty() ? 0 : lifted.front().t;
+      if constexpr (requires { formulation(ray).place(ray, delta); }) {
+        hit.t = formulation(ray).place(ray, delta);
+      } else {
+        lifted.clear();
+        formulation(ray).lift(ray, {}, {.x = delta, .others = {}}, lifted);
+        hit.t = lifted.empty() ? 0 : lifted.front().t;
+      }
       hit.is_world = false;
     }
   }
