@@ -7,7 +7,8 @@
 namespace graze::GRAZE_LANES {
 namespace {
 
-constexpr double kU2 = 0x1p-106;    // u^2
+constexpr double kU = 0x1p-53;
+constexpr double kU2 = kU * kU;
 constexpr double kTiny = 0x1p-800;  // above what underflow can add to a bound, far below what matters
 constexpr double kInfinity = __builtin_inf();
 
@@ -274,8 +275,10 @@ class Tip {
     const Lanes far = (-top_.b.hi + sqrt(max(discriminant_, Lanes{}))) / top_.a.hi;
     const Lanes near = top_.w.hi / top_.a.hi / far;
     const Lanes aside = (far - near) / 64;
+    // q' = 2 sqrt(b^2 - a w) there: what the cubic moves a zero by is less than a digit of l.
+    const Mask is_sharp = cubic_ * far * far * far <= kU * m_ * sqrt(max(discriminant_, Lanes{}));
     const Mask proved = is_flatter_ & (top_.b.hi < -e_b_) & (discriminant_ > discriminant_error_) &
-                        (near > aside) & (far < 0x1p-20 * m_) & is_outside(near - aside) &
+                        (near > aside) & (far < m_) & is_sharp & is_outside(near - aside) &
                         is_inside(near + aside) & is_inside(far - aside) & is_outside(far + aside);
     return {near, far, aside, proved};
   }
@@ -320,7 +323,7 @@ Lanes approach(const Lines& lines, Lanes inside, Lanes g, Lanes sense, Mask want
   }
   // Beyond the poles' planes G is no number.
   const Lanes end = select(sense > 0, hi, lo);
-  return select(is_finite(delta), min(max(delta, lo), hi), end);
+  return select(is_finite(delta), min(max(delta, min(in, out)), max(in, out)), end);
 }
 
 /// Crossings between inside points and the outside, their sides proved.
@@ -337,7 +340,8 @@ void widen(const Lines& lines, Lanes near, Lanes sense, Mask wanted, Brackets& b
   for (int i = 0; i < kWiden && any(looks); ++i) {
     const Wide further = two_sum(near, sense * width), closer = two_sum(near, -sense * width);
     const Value outer = lines.value(further), inner = lines.value(closer);
-    const Mask passed = looks & outer.is_outside();
+    const Mask beyond = select(sense > 0, further, bracket.in) > select(sense > 0, bracket.in, further);
+    const Mask passed = looks & beyond & outer.is_outside();
     bracket.out = select(passed, further, bracket.out);
     at_out.f = select(passed, outer.f, at_out.f);
     at_out.error = select(passed, outer.error, at_out.error);

@@ -305,12 +305,12 @@ Rational fraction(const std::string& text) {
   return value;
 }
 
-/// Is x + l d strictly inside the teardrop of s = 1? Exact: with v = y/6 and w = 2 - v, F = A - B sqrt(v) for
-/// A = 9 v (w^2 + v) - |xz|^2, B = 18 v w >= 0.
-bool is_inside(const Ray& ray, const Rational& l) {
-  const Rational x = Rational(ray.o.x) + l * Rational(ray.d.x);
-  const Rational v = (Rational(ray.o.y) + l * Rational(ray.d.y)) / 6;
-  const Rational z = Rational(ray.o.z) + l * Rational(ray.d.z);
+/// Is o + l d strictly inside the teardrop of size s? Exact, in units of s: with v = y/6 and w = 2 - v,
+/// F = A - B sqrt(v) for A = 9 v (w^2 + v) - |xz|^2, B = 18 v w >= 0.
+bool is_inside(const Ray& ray, const Rational& s, const Rational& l) {
+  const Rational x = (Rational(ray.o.x) + l * Rational(ray.d.x)) / s;
+  const Rational v = (Rational(ray.o.y) + l * Rational(ray.d.y)) / (6 * s);
+  const Rational z = (Rational(ray.o.z) + l * Rational(ray.d.z)) / s;
   if (v <= 0 || v >= 1) return false;
   const Rational w = 2 - v;
   const Rational a = 9 * v * (w * w + v) - x * x - z * z;
@@ -347,12 +347,14 @@ TEST(HardRays, TheStoredDigitsAreCrossingsInExactArithmetic) {
   for (const auto& line : lines_of("teardrop_hard.jsonl")) {
     const Ray ray = ray_of(line);
     const auto& digits = line["truth"];
+    const Rational size(parse_surface(line["surface"].get<std::string>()).parameters.number("s"));
     // A single hit of a ray that starts outside touches: F keeps its sign there.
     if (digits.size() != 2) continue;
     for (const auto& l : digits) {
       const Rational middle = fraction(l.get<std::string>());
       const Rational step = middle / Rational("1000000000000000000000000000000");
-      EXPECT_NE(is_inside(ray, middle - step), is_inside(ray, middle + step)) << line["origin"] << " " << l;
+      EXPECT_NE(is_inside(ray, size, middle - step), is_inside(ray, size, middle + step))
+          << line["origin"] << " " << l;
       ++crossings;
     }
   }
