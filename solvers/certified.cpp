@@ -103,20 +103,33 @@ void solve_power_exactly(std::span<const Dyadic> c, const PolynomialEquation& eq
   }
 }
 
-/// The same for x = lo + s (hi - lo), s in [0, 1]: s to twice a double's digits, then x exactly.
-void solve_bernstein_exactly(std::span<const Dyadic> c, const PolynomialEquation& equation, Roots& roots) {
-  const ExactPolynomial p = ExactPolynomial::from_bernstein(c);
+/// The same for p(u), u from `first` (0 or -1) at lo to 1 at hi: u to twice a double's digits, then x
+/// exactly.
+void solve_mapped_exactly(const ExactPolynomial& p, double first, const PolynomialEquation& equation,
+                          Roots& roots) {
   if (p.is_zero()) {
     roots.status = Status::coincident;
     return;
   }
-  const Dyadic lo(equation.lo), length = Dyadic(equation.hi) - lo;
-  for (RealRoot& root : isolate_roots(p, dyadic_interval(0, 1))) {
-    const Dyadic s(root.to_double_double());
-    const double x = std::clamp((lo + s * length).to_double(), equation.lo, equation.hi);
-    const bool exact = root.is_exact() && lo + root.lo() * length == Dyadic(x);
+  // hi - lo over 1 - first = 1 or 2 is dyadic.
+  const Dyadic lo(equation.lo), start(first);
+  const Dyadic step = Dyadic(first == 0 ? 1.0 : 0.5) * (Dyadic(equation.hi) - lo);
+  const auto unknown = [&](const Dyadic& u) { return lo + (u - start) * step; };
+  for (RealRoot& root : isolate_roots(p, dyadic_interval(first, 1))) {
+    const double x =
+        std::clamp(unknown(Dyadic(root.to_double_double())).to_double(), equation.lo, equation.hi);
+    const bool exact = root.is_exact() && unknown(root.lo()) == Dyadic(x);
     add_exact(x, exact ? 0 : 2 * ulp(x), static_cast<std::uint32_t>(root.multiplicity()), roots);
   }
+}
+
+/// The power coefficients of a polynomial in the Chebyshev basis.
+ExactPolynomial from_chebyshev(std::span<const Dyadic> c) {
+  std::vector<Dyadic> power(c.size());
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    for (std::size_t k = i; k < c.size(); ++k) power[i] += Dyadic(chebyshev_power_weight(i, k)) * c[k];
+  }
+  return ExactPolynomial(power);
 }
 
 /// The option that the tiers' own methods share.
@@ -192,12 +205,15 @@ void Certified::solve(const PolynomialEquation& equation, Roots& roots) const {
   roots.counters.tier = kExact;
   if (equation.basis == Basis::power) {
     solve_power_exactly(c, equation, roots);
+  } else if (equation.basis == Basis::bernstein) {
+    solve_mapped_exactly(ExactPolynomial::from_bernstein(c), 0, equation, roots);
   } else {
-    solve_bernstein_exactly(c, equation, roots);
+    solve_mapped_exactly(from_chebyshev(c), -1, equation, roots);
   }
 }
 
-/// By variations of sign; by inclusions where there are too many coefficients for that.
+/// By variations of sign; by inclusions where there are too many coefficients for that. Chebyshev equations
+/// of too high a degree fail in either.
 void Certified::solve_by_signs(const PolynomialEquation& equation, Roots& roots) const {
   if (equation.c.size() <= kMaxBernsteinSize) {
     variations_.solve(equation, roots);

@@ -152,6 +152,24 @@ void solve_higher_bernstein(std::span<const T> b, std::span<const T> b_error, Ro
   solve_power<T>(used(c), used(c_error), 0, 1, roots);
 }
 
+/// Chebyshev on [lo, hi]: power basis on [-1, 1], changed in double, then back.
+template <class T>
+void solve_chebyshev(const BasicPolynomialEquation<T>& equation, Roots& roots) {
+  std::size_t size = equation.c.size();
+  while (size > 1 && equation.c[size - 1] == 0) --size;
+  if (size > kMostCoefficients) {
+    roots.status = Status::failed;
+    return;
+  }
+  std::array<double, kMostCoefficients> c{}, power{}, error{};
+  std::copy_n(equation.c.begin(), size, c.begin());
+  chebyshev_to_power({c.data(), size}, {}, {power.data(), size}, {error.data(), size});
+  FiveCoefficients<T> rounded{};
+  std::transform(power.begin(), power.end(), rounded.begin(), [](double v) { return static_cast<T>(v); });
+  solve_power<T>({rounded.data(), size}, {}, T{-1}, T{1}, roots);
+  power_basis::detail::bring_back(equation, -1, roots);
+}
+
 }  // namespace
 
 SolverInfo ClosedForm::info() {
@@ -176,6 +194,7 @@ void ClosedForm::solve(const BasicPolynomialEquation<T>& equation, Roots& roots)
   if (equation.basis == Basis::power) {
     return solve_power(equation.c, equation.c_error, equation.lo, equation.hi, roots);
   }
+  if (equation.basis == Basis::chebyshev) return solve_chebyshev(equation, roots);
   // Bernstein on [lo, hi]: power basis in s = (x - lo) / (hi - lo), then back.
   std::span<const T> b = equation.c;
   // A constant of any nominal degree.
@@ -193,11 +212,7 @@ void ClosedForm::solve(const BasicPolynomialEquation<T>& equation, Roots& roots)
     if (b.size() == 3) c = {b[0], 2 * (b[1] - b[0]), (b[0] - b[1]) + (b[2] - b[1])};
     solve_power<T>(c, {}, 0, 1, roots);
   }
-  const auto lo = static_cast<double>(equation.lo), hi = static_cast<double>(equation.hi);
-  for (Root& root : roots.list) {
-    root.x = root.x == 1 ? hi : std::fma(root.x, hi - lo, lo);
-    root.radius *= hi - lo;
-  }
+  power_basis::detail::bring_back(equation, 0, roots);
 }
 
 template void ClosedForm::solve(const BasicPolynomialEquation<double>&, Roots&) const;

@@ -52,16 +52,98 @@ void balance(MatrixType& matrix) {
   }
 }
 
+/// The colleague matrix of sum c_k T_k: row k says x T_k = (T_{k-1} + T_{k+1}) / 2, and the last one T_n by
+/// p = 0.
+template <class MatrixType, class T>
+MatrixType colleague_matrix(Coefficients<T> c) {
+  const auto n = static_cast<Eigen::Index>(c.size()) - 1;
+  MatrixType matrix = MatrixType::Zero(n, n);
+  for (Eigen::Index k = 0; k + 1 < n; ++k) {
+    matrix(k, k + 1) = k == 0 ? T{1} : T{0.5};
+    if (k > 0) matrix(k, k - 1) = T{0.5};
+  }
+  if (n > 1) matrix(n - 1, n - 2) = T{0.5};
+  // x T_0 = T_1 where n = 1: the row is not halved.
+  const T lead = n == 1 ? c.back() : 2 * c.back();
+  for (Eigen::Index k = 0; k < n; ++k) matrix(n - 1, k) -= c[static_cast<std::size_t>(k)] / lead;
+  return matrix;
+}
+
 /// Calls visit(eigenvalue) for each; false: entries overflow or no convergence.
-template <class MatrixType, class T, class Visit>
-bool visit_eigenvalues(Coefficients<T> c, const Visit& visit) {
-  MatrixType matrix = companion_matrix<MatrixType>(c);
+template <class MatrixType, class Visit>
+bool visit_eigenvalues(MatrixType matrix, const Visit& visit) {
   if (!matrix.allFinite()) return false;
   balance(matrix);
   const Eigen::EigenSolver<MatrixType> solver(matrix, /*computeEigenvectors=*/false);
   if (solver.info() != Eigen::Success) return false;
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) visit(solver.eigenvalues()[i]);
   return true;
+}
+
+/// The same for the matrix that make(MatrixType*) gives for n unknowns; small ones stay on the stack.
+template <class T, class Make, class Visit>
+bool visit_eigenvalues_of(int n, const Make& make, const Visit& visit) {
+  constexpr int kSmall = 8;
+  using Small = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, 0, kSmall, kSmall>;
+  if (n <= kSmall) return visit_eigenvalues<Small>(make(static_cast<Small*>(nullptr)), visit);
+  return visit_eigenvalues<DynamicMatrix<T>>(make(static_cast<DynamicMatrix<T>*>(nullptr)), visit);
+}
+
+/// sum c_k T_k(x) = 0 on [-1, 1], c_n != 0, n >= 1; `error` bounds what was left out and the coefficients'
+/// own errors, |T_k| <= 1. Asked by the rule of power_basis.hpp.
+template <class T>
+struct ChebyshevProblem {
+  using Number = T;
+  Coefficients<T> c;
+  T error;
+  T lo = -1, hi = 1;
+
+  [[nodiscard]] power_basis::Value<T> at(T x) const {
+    const auto p = chebyshev_value(c, x);
+    return {p.value, p.derivative};
+  }
+  /// Beyond the interval, where |T_k| grows like |2x|^k, no root is asked for: add_real moves it to the end.
+  [[nodiscard]] T magnitude(T x) const {
+    const T growth = std::max(T{1}, std::pow(2 * std::fabs(x), static_cast<T>(c.size())));
+    T sum = 0;
+    for (const T v : c) sum += std::fabs(v);
+    return std::fabs(x) <= 1 ? sum : sum * growth;
+  }
+  [[nodiscard]] T tolerance(T x) const {
+    const auto n = static_cast<T>(c.size() - 1);
+    return static_cast<T>(power_basis::kBackward) * n * power_basis::kU<T> * magnitude(x) + error;
+  }
+};
+
+/// Without the highest coefficients that are rounding: on [-1, 1] they move p by no more than what an ulp of
+/// the largest does, but eigenvalues of a matrix with 1 / c_n in it by far more.
+template <class T>
+ChebyshevProblem<T> without_noise(const BasicPolynomialEquation<T>& equation) {
+  ChebyshevProblem<T> problem{equation.c, 0};
+  T largest = 0;
+  for (const T v : problem.c) largest = std::max(largest, std::fabs(v));
+  for (const T e : equation.c_error) problem.error += e;
+  while (problem.c.size() > 1 && std::fabs(problem.c.back()) <= power_basis::kU<T> * largest) {
+    problem.error += std::fabs(problem.c.back());
+    problem.c = problem.c.first(problem.c.size() - 1);
+  }
+  return problem;
+}
+
+template <class T>
+void solve_chebyshev(const BasicPolynomialEquation<T>& equation, bool polish, Roots& roots) {
+  const ChebyshevProblem<T> problem = without_noise(equation);
+  if (problem.c.empty() || (problem.c.size() == 1 && problem.c[0] == 0)) {
+    roots.status = Status::coincident;
+    return;
+  }
+  const int n = static_cast<int>(problem.c.size()) - 1;
+  if (n == 0) return;
+  const auto make = [&]<class MatrixType>(MatrixType*) { return colleague_matrix<MatrixType>(problem.c); };
+  const auto visit = [&](std::complex<T> value) { power_basis::add_if_real(problem, value, polish, roots); };
+  if (!visit_eigenvalues_of<T>(n, make, visit)) roots.status = Status::failed;
+  power_basis::sort_and_merge(problem, roots);
+  power_basis::detail::bring_back(equation, -1, roots);
 }
 
 }  // namespace
@@ -81,13 +163,13 @@ Companion::Companion(const Parameters& options) : polish_(options.flag("polish",
 
 template <class T>
 void Companion::solve(const BasicPolynomialEquation<T>& equation, Roots& roots) const {
+  if (equation.basis == Basis::chebyshev && is_usable(equation)) {
+    return solve_chebyshev(equation, polish_, roots);
+  }
   power_basis::solve(equation, roots, [this](const power_basis::Problem<T>& problem, Roots& found) {
+    const auto make = [&]<class MatrixType>(MatrixType*) { return companion_matrix<MatrixType>(problem.c); };
     const auto visit = [&](std::complex<T> value) { add_if_real(problem, value, polish_, found); };
-    constexpr int kSmall = 8;
-    using Small = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, 0, kSmall, kSmall>;
-    const bool solved = problem.degree() <= kSmall ? visit_eigenvalues<Small>(problem.c, visit)
-                                                   : visit_eigenvalues<DynamicMatrix<T>>(problem.c, visit);
-    if (!solved) found.status = Status::failed;
+    if (!visit_eigenvalues_of<T>(problem.degree(), make, visit)) found.status = Status::failed;
   });
 }
 

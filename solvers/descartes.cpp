@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 
+#include <graze/solvers/bernstein_copy.hpp>
 #include <graze/solvers/isolation.hpp>
 #include <graze/solvers/math/bernstein.hpp>
 #include <graze/solvers/math/polynomial.hpp>
@@ -326,6 +327,9 @@ void Descartes::solve(const BasicPolynomialEquation<double>& equation, Roots& ro
     roots.status = Status::invalid;
   } else if (degree < 0) {
     roots.status = is_exact(equation) ? Status::coincident : Status::uncertain;
+  } else if (equation.basis == Basis::chebyshev) {
+    if (BernsteinCopy::suits(equation)) return solve(BernsteinCopy(equation).equation(), roots);
+    roots.status = Status::failed;
   } else if (equation.basis == Basis::bernstein) {
     if (equation.c.size() > kMaxBernsteinSize) {
       roots.status = Status::failed;

@@ -44,7 +44,7 @@ struct Epsilons {
   double shallow = 0;
 };
 
-enum class Basis : std::uint8_t { power, bernstein };
+enum class Basis : std::uint8_t { power, bernstein, chebyshev };
 
 class Dyadic;  // math/big_integer.hpp
 
@@ -55,8 +55,9 @@ struct ExactCoefficients {
   void (*get)(const void* self, std::span<Dyadic> c) = nullptr;
 };
 
-/// sum_i c[i] x^i = 0 (power, ascending), or sum_i c[i] B_{i,n}((x - lo)/(hi - lo)) = 0 (Bernstein),
-/// wanted on the closed interval [lo, hi]; lo = -inf, hi = inf asks for all real roots (power only).
+/// sum_i c[i] x^i = 0 (power, ascending), sum_i c[i] B_{i,n}((x - lo)/(hi - lo)) = 0 (Bernstein), or
+/// sum_i c[i] T_i(2 (x - lo)/(hi - lo) - 1) = 0 (Chebyshev, degree up to kMaxChebyshevDegree), wanted on the
+/// closed interval [lo, hi]; lo = -inf, hi = inf asks for all real roots (power only).
 /// `c_error` is empty (the coefficients are exact numbers) or bounds |c[i] - true c[i]|.
 template <class T>
 struct BasicPolynomialEquation {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <graze/solvers/bernstein_copy.hpp>
 #include <graze/solvers/interval_search.hpp>
 #include <graze/solvers/math/bernstein.hpp>
 #include <graze/solvers/math/polynomial.hpp>
@@ -105,6 +106,11 @@ void IntervalBisection::solve(const PolynomialEquation& equation, Roots& roots) 
   if (degree < 0) {
     const bool zero = exact || effective_degree(equation.c_error) < 0;
     roots.status = zero ? Status::coincident : Status::uncertain;
+    return;
+  }
+  if (equation.basis == Basis::chebyshev) {
+    if (BernsteinCopy::suits(equation)) return solve(BernsteinCopy(equation).equation(), roots);
+    roots.status = Status::failed;
     return;
   }
   if (equation.basis == Basis::bernstein) {

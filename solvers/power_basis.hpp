@@ -2,13 +2,15 @@
 // which an approximation counts as a real root.
 //
 // solves    nothing by itself: `solve` hands a Problem to a method and files what the method finds
-// needs     an equation in either basis; a Bernstein one is changed to the power basis on [0, 1], with the
-//           rounding of that change added to c_error
+// needs     an equation in any basis; a Bernstein one is changed to the power basis on [0, 1], a Chebyshev
+// one
+//           (of degree up to kMaxChebyshevDegree) to that on [-1, 1], with the rounding of the change added
+//           to c_error
 // returns   invalid for coefficients that are not finite; coincident for the zero polynomial; roots at zero
 //           that the zero end stands for; everything else is the method's
 // error     of a root: what `Problem::tolerance` says (a relative change of every coefficient by
-//           kBackward n u); Bernstein input adds the rounding of the change of basis
-// cost      no allocation up to degree kInline, except for Bernstein input
+//           kBackward n u); another basis adds the rounding of the change
+// cost      no allocation up to degree kInline, except for another basis
 // source    the backward-error rule: Higham, "Accuracy and Stability of Numerical Algorithms", 2nd ed.
 // (2002),
 //           section 5.1
@@ -20,10 +22,12 @@
 #include <complex>
 #include <limits>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include <graze/solvers/equation.hpp>
 #include <graze/solvers/math/bernstein.hpp>
+#include <graze/solvers/math/chebyshev.hpp>
 #include <graze/solvers/math/scaling.hpp>
 #include <graze/solvers/roots.hpp>
 
@@ -68,11 +72,15 @@ T magnitude_sum(Coefficients<T> c, T x) {
 /// sum c_i x^i = 0 on [lo, hi], c_0 != 0 != c_n, n = c.size() - 1 >= 1.
 template <class T>
 struct Problem {
+  using Number = T;
   Coefficients<T> c;
   Coefficients<T> c_error;  ///< empty, or as long as c
   T lo, hi;
 
   [[nodiscard]] int degree() const { return static_cast<int>(c.size()) - 1; }
+  [[nodiscard]] Value<T> at(T x) const { return evaluate(c, x); }
+  /// The size of p's terms.
+  [[nodiscard]] T magnitude(T x) const { return magnitude_sum(c, x); }
   /// What |p(x)| may be for x to count as a root.
   [[nodiscard]] T tolerance(T x) const {
     const auto n = static_cast<T>(degree());
@@ -80,14 +88,16 @@ struct Problem {
   }
 };
 
+// What follows asks a problem P for `at`, `magnitude` and `tolerance` only, whatever its basis.
+
 /// Newton steps that shrink |p|, at most 3: from a relative error of 1e-12 two reach rounding.
-template <class T>
-T polished(const Problem<T>& problem, T x, Counters& counters) {
+template <class P, class T = typename P::Number>
+T polished(const P& problem, T x, Counters& counters) {
   constexpr int kSteps = 3;
-  auto here = evaluate(problem.c, x);
+  auto here = problem.at(x);
   for (int step = 0; step < kSteps && here.value != 0 && here.derivative != 0; ++step) {
     const T next = x - here.value / here.derivative;
-    const auto there = evaluate(problem.c, next);
+    const auto there = problem.at(next);
     ++counters.evaluations;
     if (!(std::fabs(there.value) < std::fabs(here.value))) break;
     x = next;
@@ -98,12 +108,13 @@ T polished(const Problem<T>& problem, T x, Counters& counters) {
 
 /// Adds the real root x, found by a change of sign or as a real approximation. A root that leaves the closed
 /// interval belongs to the end if the end is one by the same measure.
-template <class T>
-void add_real(const Problem<T>& problem, T x, T radius, std::uint32_t multiplicity, Roots& roots) {
+template <class P, class T = typename P::Number>
+void add_real(const P& problem, std::type_identity_t<T> x, std::type_identity_t<T> radius,
+              std::uint32_t multiplicity, Roots& roots) {
   const T inside = std::clamp(x, problem.lo, problem.hi);
   if (inside != x) {
     ++roots.counters.evaluations;
-    if (std::fabs(evaluate(problem.c, inside).value) > problem.tolerance(inside)) return;
+    if (std::fabs(problem.at(inside).value) > problem.tolerance(inside)) return;
   }
   roots.list.push_back(found_root(inside, radius, multiplicity));
 }
@@ -111,13 +122,14 @@ void add_real(const Problem<T>& problem, T x, T radius, std::uint32_t multiplici
 /// Adds a complex approximation's real part if it counts as a root (kBackward). A conjugate pair, seen by its
 /// member above the axis, is one touching root; its member below the axis is passed over. `polish`: see
 /// above, for approximations on the axis.
-template <class T>
-void add_if_real(const Problem<T>& problem, std::complex<T> approximation, bool polish, Roots& roots) {
+template <class P, class T = typename P::Number>
+void add_if_real(const P& problem, std::type_identity_t<std::complex<T>> approximation, bool polish,
+                 Roots& roots) {
   if (approximation.imag() < 0) return;
   const bool pair = approximation.imag() > 0;
   T x = approximation.real();
   if (polish && !pair) x = polished(problem, x, roots.counters);
-  const auto p = evaluate(problem.c, x);
+  const auto p = problem.at(x);
   ++roots.counters.evaluations;
   const T tolerance = problem.tolerance(x);
   // Beyond the range of T nothing can be told.
@@ -129,19 +141,19 @@ void add_if_real(const Problem<T>& problem, std::complex<T> approximation, bool 
 
 /// Are two neighbouring real roots one that rounding has split? A double root x splits by about sqrt(u):
 /// between the two |p| is then no more than the rounding of its own coefficients.
-template <class T>
-bool is_split(const Problem<T>& problem, const Root& a, const Root& b, Counters& counters) {
+template <class P, class T = typename P::Number>
+bool is_split(const P& problem, const Root& a, const Root& b, Counters& counters) {
   if (a.x == b.x) return true;
   constexpr T kRounding = 4;
   const T middle = static_cast<T>(a.x + 0.5 * (b.x - a.x));
   ++counters.evaluations;
-  const T size = magnitude_sum(problem.c, middle);
-  return std::isfinite(size) && std::fabs(evaluate(problem.c, middle).value) <= kRounding * kU<T> * size;
+  const T size = problem.magnitude(middle);
+  return std::isfinite(size) && std::fabs(problem.at(middle).value) <= kRounding * kU<T> * size;
 }
 
 /// Sorts, and makes one root of those that cannot be told apart.
-template <class T>
-void sort_and_merge(const Problem<T>& problem, Roots& roots) {
+template <class P, class T = typename P::Number>
+void sort_and_merge(const P& problem, Roots& roots) {
   std::vector<Root>& list = roots.list;
   std::sort(list.begin(), list.end(), [](const Root& a, const Root& b) { return a.x < b.x; });
   std::size_t kept = 0;
@@ -199,26 +211,34 @@ void solve_without_zero_ends(Problem<T> problem, Roots& roots, const Method& met
   sort_and_merge(problem, roots);
 }
 
-/// Bernstein on [lo, hi]: power basis in s = (x - lo) / (hi - lo), changed in double, then back.
-template <class T, class Method>
-void solve_bernstein(const BasicPolynomialEquation<T>& equation, Roots& roots, const Method& method) {
+/// Roots in s of [0, 1] or [-1, 1] (first = 0 or -1) as roots x of [lo, hi].
+template <class T>
+void bring_back(const BasicPolynomialEquation<T>& equation, double first, Roots& roots) {
+  const auto lo = static_cast<double>(equation.lo), hi = static_cast<double>(equation.hi);
+  const double step = (hi - lo) / (1 - first);
+  for (Root& root : roots.list) {
+    root.x = root.x == 1 ? hi : std::fma(root.x - first, step, lo);
+    root.radius *= step;
+  }
+}
+
+/// A basis that belongs to [lo, hi]: the power basis in s, changed in double by `to_power`, then back.
+template <class T, class Method, class ToPower>
+void solve_changed(const BasicPolynomialEquation<T>& equation, double first, const ToPower& to_power,
+                   Roots& roots, const Method& method) {
   const std::vector<double> b(equation.c.begin(), equation.c.end());
   const std::vector<double> b_error(equation.c_error.begin(), equation.c_error.end());
   std::vector<double> c(b.size());
   std::vector<double> c_error(b.size());
-  bernstein_to_power(b, b_error, c, c_error);
+  to_power(b, b_error, c, c_error);
   const auto rounded = [](const std::vector<double>& from) {
     std::vector<T> to;
     for (const double v : from) to.push_back(static_cast<T>(v));
     return to;
   };
   const std::vector<T> c_rounded = rounded(c), error_rounded = rounded(c_error);
-  solve_without_zero_ends(Problem<T>{c_rounded, error_rounded, 0, 1}, roots, method);
-  const auto lo = static_cast<double>(equation.lo), hi = static_cast<double>(equation.hi);
-  for (Root& root : roots.list) {
-    root.x = root.x == 1 ? hi : std::fma(root.x, hi - lo, lo);
-    root.radius *= hi - lo;
-  }
+  solve_without_zero_ends(Problem<T>{c_rounded, error_rounded, static_cast<T>(first), 1}, roots, method);
+  bring_back(equation, first, roots);
 }
 
 }  // namespace detail
@@ -230,7 +250,13 @@ void solve(const BasicPolynomialEquation<T>& equation, Roots& roots, const Metho
   if (!is_usable(equation)) {
     roots.status = Status::invalid;
   } else if (equation.basis == Basis::bernstein) {
-    detail::solve_bernstein(equation, roots, method);
+    detail::solve_changed(equation, 0, bernstein_to_power, roots, method);
+  } else if (equation.basis == Basis::chebyshev) {
+    if (equation.c.size() > kMaxChebyshevSize) {
+      roots.status = Status::failed;
+    } else {
+      detail::solve_changed(equation, -1, chebyshev_to_power, roots, method);
+    }
   } else {
     detail::solve_without_zero_ends(Problem<T>{equation.c, equation.c_error, equation.lo, equation.hi}, roots,
                                     method);

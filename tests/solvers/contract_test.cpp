@@ -518,6 +518,7 @@ TEST_P(PolynomialCell, TheZeroPolynomialIsCoincident) {
   for (const std::vector<double>& c : {std::vector<double>{0}, {0, 0, 0, 0}, {-0.0, 0, 0, 0, 0, 0, 0}}) {
     EXPECT_EQ(ask(c, 0, 1).status, Status::coincident);
     EXPECT_EQ(ask(c, 0, 1, Basis::bernstein).status, Status::coincident);
+    EXPECT_EQ(ask(c, 0, 1, Basis::chebyshev).status, Status::coincident);
     EXPECT_TRUE(ask(c, 0, 1).list.empty());
   }
 }
@@ -534,6 +535,7 @@ TEST_P(PolynomialCell, AConstantHasNoRoot) {
 TEST_P(PolynomialCell, ABernsteinConstantHasNoRoot) {
   for (const double value : {1.0, -3.0, 1e-300, 1e300}) {
     expect_count(ask({value, value, value, value}, 0, 1, Basis::bernstein), 0);
+    expect_count(ask({value, 0, 0, 0}, 0, 1, Basis::chebyshev), 0);
   }
 }
 
@@ -633,6 +635,61 @@ TEST_P(PolynomialCell, BernsteinEquationsOfEveryDegreeGiveTheirKnownRoots) {
       }
     }
   }
+}
+
+/// The product of two polynomials in the Chebyshev basis, times two: 2 T_i T_j = T_{i+j} + T_{|i-j|}.
+Integers chebyshev_product(const Integers& a, const Integers& b) {
+  Integers result(a.size() + b.size() - 1, 0);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      result[i + j] += a[i] * b[j];
+      result[i > j ? i - j : j - i] += a[i] * b[j];
+    }
+  }
+  return result;
+}
+
+bool are_doubles(const Integers& integers) {
+  return std::all_of(integers.begin(), integers.end(),
+                     [](Wide v) { return static_cast<Wide>(static_cast<double>(v)) == v; });
+}
+
+TEST_P(PolynomialCell, ChebyshevEquationsOfEveryDegreeGiveTheirKnownRoots) {
+  const std::array<int, 12> eighths{4, -7, 2, -2, 6, 12, -5, 0, 8, -8, 3, -12};
+  Integers c{1};
+  std::vector<double> inside;
+  for (const int k : eighths) {
+    c = chebyshev_product(c, {-k, 8});
+    if (std::abs(k) <= 8) inside.push_back(k / 8.0);
+    std::sort(inside.begin(), inside.end());
+    const int degree = static_cast<int>(c.size()) - 1;
+    if (!GetParam().takes_degree(degree)) break;
+    if (!are_doubles(c)) {
+      EXPECT_GE(degree, 10) << "only the highest degrees may not fit";
+      break;
+    }
+    for (const auto& [lo, length] : {std::pair{-1.0, 2.0}, std::pair{-3.0, 16.0}}) {
+      const Roots roots = ask(exact_doubles(c), lo, lo + length, Basis::chebyshev);
+      const std::string where = "degree " + std::to_string(degree);
+      EXPECT_EQ(roots.status, Status::ok) << where;
+      ASSERT_EQ(roots.list.size(), inside.size()) << where;
+      for (std::size_t i = 0; i < inside.size(); ++i) {
+        const double x = lo + 0.5 * (inside[i] + 1) * length;
+        EXPECT_NEAR(roots.list[i].x, x, 1e-8 * length) << where;
+        if (roots.list[i].certified) {
+          EXPECT_LE(std::fabs(roots.list[i].x - x), roots.list[i].radius) << where;
+        }
+      }
+    }
+  }
+}
+
+TEST_P(PolynomialCell, ChebyshevEquationsBeyondTheDegreeLimitAreNotAnsweredWrongly) {
+  // T_40 has forty roots.
+  std::vector<double> c(41, 0.0);
+  c.back() = 1;
+  const Roots roots = ask(c, -1, 1, Basis::chebyshev);
+  EXPECT_TRUE(roots.status != Status::ok || roots.list.size() == 40U);
 }
 
 TEST_P(PolynomialCell, CoefficientErrorsWidenWhatACertifiedSolverLeavesOpen) {
