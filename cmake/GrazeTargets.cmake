@@ -67,13 +67,13 @@ function(graze_solver stem)
   endif()
 endfunction()
 
-# graze_surface(STEM [NEEDS sources]): the one list line of a surface, as graze_solver; NEEDS are sources of
-# solvers/ that only some surfaces use.
+# graze_surface(STEM [WITH sources] [NEEDS sources]): the one list line of a surface, as graze_solver; WITH are
+# further sources of its own, NEEDS are sources of solvers/ that only some surfaces use.
 function(graze_surface stem)
-  cmake_parse_arguments(ARG "" "" "NEEDS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "NEEDS;WITH" ${ARGN})
   graze_wanted(${stem} "${GRAZE_SURFACES}" wanted)
   if(wanted)
-    target_sources(graze_surfaces PRIVATE ${stem}.cpp)
+    target_sources(graze_surfaces PRIVATE ${stem}.cpp ${ARG_WITH})
     list(TRANSFORM ARG_NEEDS PREPEND ${PROJECT_SOURCE_DIR}/solvers/)
     target_sources(graze_solvers PRIVATE ${ARG_NEEDS})
     set_property(GLOBAL APPEND PROPERTY GRAZE_SURFACE_LIST ${stem})

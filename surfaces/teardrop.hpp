@@ -101,9 +101,24 @@ struct TeardropSystem {
   TeardropProfile profile;
 };
 
+/// The implicit sextic in delta, B^2 - 4 H y^3 (2H - y)^2 with H = 6s, W = x^2 + z^2 and B = 4 H W - y ((2H -
+/// y)^2 + H y), in one basis; the surface is where B <= 0 and 0 <= y <= H. Coefficients are formed in
+/// double-double with proved errors. A root whose sheet cannot be told makes the answer uncertain.
+template <Basis kBasis>
+struct TeardropImplicitSextic {
+  static FormulationInfo info();
+  explicit TeardropImplicitSextic(const Teardrop& surface);
+  void pose(const LocalRay& ray, EquationBlock& block) const;
+  void lift(const LocalRay& ray, const Posed& posed, const Root& root, std::vector<LocalHit>& hits) const;
+
+  TeardropProfile profile;
+};
+
 struct Teardrop {
   using Formulations =
-      std::tuple<TeardropAlongRay, TeardropSexticHomogeneous, TeardropSystem, TeardropSextic>;
+      std::tuple<TeardropAlongRay, TeardropSexticHomogeneous, TeardropSystem, TeardropSextic,
+                 TeardropImplicitSextic<Basis::power>, TeardropImplicitSextic<Basis::bernstein>,
+                 TeardropImplicitSextic<Basis::chebyshev>>;
 
   static SurfaceInfo info();
   static Parameters scaled(const Parameters& parameters, double factor);
