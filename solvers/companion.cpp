@@ -102,12 +102,11 @@ struct ChebyshevProblem {
     const auto p = chebyshev_value(c, x);
     return {p.value, p.derivative};
   }
-  /// Beyond the interval, where |T_k| grows like |2x|^k, no root is asked for: add_real moves it to the end.
-  [[nodiscard]] T magnitude(T x) const {
-    const T growth = std::max(T{1}, std::pow(2 * std::fabs(x), static_cast<T>(c.size())));
+  /// |T_k| <= 1 on the interval, and no root is asked for beyond it.
+  [[nodiscard]] T magnitude(T /*x*/) const {
     T sum = 0;
     for (const T v : c) sum += std::fabs(v);
-    return std::fabs(x) <= 1 ? sum : sum * growth;
+    return sum;
   }
   [[nodiscard]] T tolerance(T x) const {
     const auto n = static_cast<T>(c.size() - 1);
@@ -140,7 +139,11 @@ void solve_chebyshev(const BasicPolynomialEquation<T>& equation, bool polish, Ro
   const int n = static_cast<int>(problem.c.size()) - 1;
   if (n == 0) return;
   const auto make = [&]<class MatrixType>(MatrixType*) { return colleague_matrix<MatrixType>(problem.c); };
-  const auto visit = [&](std::complex<T> value) { power_basis::add_if_real(problem, value, polish, roots); };
+  // A root farther beyond an end than a double one is known to is not the end's, even if the end is one too.
+  const T farthest = 1 + std::sqrt(power_basis::kU<T>);
+  const auto visit = [&](std::complex<T> value) {
+    if (std::fabs(value.real()) <= farthest) power_basis::add_if_real(problem, value, polish, roots);
+  };
   if (!visit_eigenvalues_of<T>(n, make, visit)) roots.status = Status::failed;
   power_basis::sort_and_merge(problem, roots);
   power_basis::detail::bring_back(equation, -1, roots);
