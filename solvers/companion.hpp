@@ -1,6 +1,7 @@
 // Real roots as eigenvalues of the balanced companion matrix.
 //
-// solves    p(x) = 0 on [lo, hi], power or Bernstein basis, any degree
+// solves    p(x) = 0 on [lo, hi]: power or Bernstein basis by the companion matrix, Chebyshev basis by the
+//           colleague matrix, any degree
 // needs     finite coefficients
 // returns   ok; coincident for the zero polynomial; failed if the ratios to the leading coefficient overflow
 //           or the QR iteration does not converge; invalid for coefficients that are not finite
@@ -10,7 +11,7 @@
 //           split into are reported as one of multiplicity 2
 // cost      O(n^3): one eigenvalue-only QR; one evaluation an eigenvalue. Allocates above degree 8
 // source    Edelman, Murakami, "Polynomial roots from companion matrix eigenvalues", Math. Comp. 64 (1995);
-//           balancing after Parlett, Reinsch, Numer. Math. 13 (1969); eigenvalues by Eigen
+//           colleague matrix: Specht 1957; Good, Quart. J. Math. 12 (1961); balancing after Parlett, Reinsch, Numer. Math. 13 (1969); eigenvalues by Eigen
 #pragma once
 
 #include <graze/solvers/power_basis.hpp>
