@@ -11,9 +11,13 @@
 // source    T_i T_j = (T_{i+j} + T_{|i-j|}) / 2; Farouki, Rajan, CAGD 5 (1988), for scaled Bernstein products
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <span>
+#include <type_traits>
+#include <vector>
 
 #include <graze/solvers/math/bernstein.hpp>
 #include <graze/solvers/math/big_integer.hpp>

@@ -6,8 +6,8 @@
 //          (exact coefficients) or bounds |c[i] - true c[i]|. Outputs have c's size and overlap no input.
 // Returns: numbers with bounds on their absolute errors, proved as in bernstein.hpp; inf where something
 //          overflows or the degree is beyond the limit. Values carry no bound.
-// Error:   a bound for every coefficient, 0 where nothing was rounded. The conditions grow like 2.4^n (power)
-//          and, for the sum of the weights' sizes, no faster for Bernstein.
+// Error:   a bound for every coefficient, 0 where nothing was rounded. To powers it grows like the sum of
+//          |coefficients| of T_n, (1 + sqrt 2)^n.
 // Cost:    n^2/2 weighted sums; values 3 operations a coefficient; no allocation.
 // Source:  Clenshaw, MTAC 9 (1955); A. Rababah, "Transformation of Chebyshev-Bernstein polynomial basis",
 //          Comput. Methods Appl. Math. 3 (2003). Changed: weights are exact integers over one binomial.

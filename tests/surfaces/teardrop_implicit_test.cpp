@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <vector>
 
 #include <graze/solvers/math/bernstein.hpp>
@@ -91,7 +92,6 @@ struct Posing {
     equation().exact.get(equation().exact.self, c);
     return c;
   }
-  /// How far the worst coefficient is from the exact one, in its bound; negative: outside.
   void expect_bounds() const {
     const std::vector<Dyadic> c = exact();
     for (std::size_t i = 0; i < c.size(); ++i) {
