@@ -1,4 +1,6 @@
 // graze bench: ns per ray of several solvers, interleaved in one process.
+#include <optional>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +11,7 @@
 #include "errors.hpp"
 #include "json_lines.hpp"
 #include "judge.hpp"
+#include "operations.hpp"
 #include "peers.hpp"
 #include "timing.hpp"
 
@@ -30,6 +33,9 @@ struct BenchOptions {
   std::uint64_t seed = 1;
   bool json = false;
 };
+
+/// Rays whose operations are counted: their mean is steady to a few percent, and counting is slow.
+constexpr std::size_t kCountedRays = 1000;
 
 /// The family's rays; those of the family `scale` at scale 1, since one surface is timed.
 std::vector<Ray> bench_rays(const CaseFamily& family, const AnySurface& surface,
@@ -96,18 +102,46 @@ struct Line {
   std::string solver, formulation;
   Spread ns;
   Score score;
+  std::optional<OperationTotals> operations;
   std::size_t rays = 0;
   bool censored = false;
 };
+
+/// "412.5", or "81.0 + 9.2 f" where f is evaluated outside the solver; "-" where nothing was counted.
+std::string operations_text(const std::optional<OperationTotals>& operations) {
+  if (!operations) return "-";
+  std::string text = fmt::format("{:.1f}", operations->per_ray(operations->count.flops()));
+  if (operations->evaluations > 0)
+    text += fmt::format(" + {:.1f} f", operations->per_ray(operations->evaluations));
+  return text;
+}
+
+/// Means over the rays counted; null where nothing was.
+nlohmann::ordered_json operations_json(const std::optional<OperationTotals>& operations) {
+  if (!operations) return nullptr;
+  const OperationCount& count = operations->count;
+  const auto mean = [&](std::uint64_t total) { return operations->per_ray(total); };
+  return {{"total", mean(count.flops())},
+          {"additions", mean(count.additions)},
+          {"multiplications", mean(count.multiplications)},
+          {"divisions", mean(count.divisions)},
+          {"square_roots", mean(count.square_roots)},
+          {"fused", mean(count.fused)},
+          {"functions", mean(count.functions)},
+          {"comparisons", mean(count.comparisons)},
+          {"evaluations_apart", mean(operations->evaluations)},
+          {"rays", operations->rays}};
+}
 
 void print(const BenchOptions& options, const CaseFamily& family, const std::vector<Line>& lines,
            Output& output) {
   fmt::memory_buffer& out = output.buffer();
   if (!options.json) {
     fmt::format_to(std::back_inserter(out),
-                   "{} / {}, query {}, {} rays\n  {:<28} {:<20} {:>12} {:>12} {:>12}  {}\n", options.surface,
-                   family.name, options.query, options.rays, "solver", "formulation", "median ns", "min ns",
-                   "p90 ns", "wrong / uncertain / failed of judged");
+                   "{} / {}, query {}, {} rays\n  {:<28} {:<20} {:>12} {:>12} {:>12} {:>20}  {}\n",
+                   options.surface, family.name, options.query, options.rays, "solver", "formulation",
+                   "median ns", "min ns", "p90 ns", "solver operations",
+                   "wrong / uncertain / failed of judged");
   }
   for (const Line& line : lines) {
     if (options.json) {
@@ -120,6 +154,7 @@ void print(const BenchOptions& options, const CaseFamily& family, const std::vec
           {"query", options.query},
           {"rays", line.rays},
           {"ns_per_ray", {{"min", line.ns.min}, {"median", line.ns.median}, {"p90", line.ns.p90}}},
+          {"solver_operations", operations_json(line.operations)},
           {"hits", line.score.hits},
           {"wrong", line.score.wrong},
           {"uncertain", line.score.uncertain},
@@ -129,9 +164,10 @@ void print(const BenchOptions& options, const CaseFamily& family, const std::vec
       fmt::format_to(std::back_inserter(out), "{}\n", json.dump());
     } else {
       fmt::format_to(std::back_inserter(out),
-                     "  {:<28} {:<20} {:>12.1f} {:>12.1f} {:>12.1f}  {} / {} / {} of {}{}\n", line.solver,
-                     line.formulation, line.ns.median, line.ns.min, line.ns.p90, line.score.wrong,
-                     line.score.uncertain, line.score.failed, line.score.judged,
+                     "  {:<28} {:<20} {:>12.1f} {:>12.1f} {:>12.1f} {:>20}  {} / {} / {} of {}{}\n",
+                     line.solver, line.formulation, line.ns.median, line.ns.min, line.ns.p90,
+                     operations_text(line.operations), line.score.wrong, line.score.uncertain,
+                     line.score.failed, line.score.judged,
                      line.censored ? fmt::format("  (timed on {} rays)", line.rays) : "");
     }
   }
@@ -162,6 +198,8 @@ void bench_family(const BenchOptions& options, const SurfaceSpec& spec, std::spa
     line.formulation = std::string(seen.formulations[formulation].name);
     line.score = score(scenes.back(), std::span(rays).first(truths.size()), query, truths,
                        {options.match_radius, surface->size()});
+    line.operations = count_operations(spec, options.formulation, solver,
+                                       std::span(rays).first(std::min(kCountedRays, rays.size())), query);
     lines.push_back(std::move(line));
   }
   std::vector<Contestant> contestants;

@@ -11,7 +11,7 @@ using power_basis::Coefficients;
 /// sum 1 / (z_i - z_j) over the other approximations; one that coincides repels no more.
 template <class T>
 Complex<T> repulsion(std::span<const Complex<T>> z, std::size_t i) {
-  Complex<T> sum = 0;
+  Complex<T> sum{};
   for (std::size_t j = 0; j < z.size(); ++j) {
     if (z[j] != z[i]) sum += complex_roots::quotient(Complex<T>{1, 0}, z[i] - z[j]);
   }

@@ -233,7 +233,7 @@ class DerivativeChain {
 template <class T>
 T bound_of_roots(Coefficients<T> c) {
   power_basis::Scratch<double> wide(c.size());
-  std::copy(c.begin(), c.end(), wide.span().begin());
+  std::transform(c.begin(), c.end(), wide.span().begin(), [](T a) { return static_cast<double>(a); });
   const double bound =
       std::min(root_bound(wide.span()), static_cast<double>(std::numeric_limits<T>::max() / 2));
   return std::nextafter(static_cast<T>(bound), std::numeric_limits<T>::max());

@@ -139,8 +139,9 @@ void solve_power(std::span<const T> c, std::span<const T> c_error, T lo, T hi, R
 template <class T>
 void solve_higher_bernstein(std::span<const T> b, std::span<const T> b_error, Roots& roots) {
   FiveCoefficients<double> from{}, from_error{}, to{}, to_error{};
-  std::copy(b.begin(), b.end(), from.begin());
-  std::copy(b_error.begin(), b_error.end(), from_error.begin());
+  const auto wide = [](T x) { return static_cast<double>(x); };
+  std::transform(b.begin(), b.end(), from.begin(), wide);
+  std::transform(b_error.begin(), b_error.end(), from_error.begin(), wide);
   const auto used = [&](auto& v) { return std::span(v).first(b.size()); };
   bernstein_to_power(used(from), std::span<const double>(from_error).first(b_error.size()), used(to),
                      used(to_error));

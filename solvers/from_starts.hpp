@@ -224,7 +224,7 @@ class MaehlySearch {
 template <class T>
 T bound_of_roots(Coefficients<T> c) {
   power_basis::Scratch<double> wide(c.size());
-  std::copy(c.begin(), c.end(), wide.span().begin());
+  std::transform(c.begin(), c.end(), wide.span().begin(), [](T a) { return static_cast<double>(a); });
   const double largest = static_cast<double>(std::numeric_limits<T>::max() / 4);
   return static_cast<T>(std::min(root_bound(wide.span()) * (1 + 8 * static_cast<double>(kU<T>)), largest));
 }

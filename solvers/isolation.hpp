@@ -206,7 +206,8 @@ bool bound_interval(Problem<T>& problem) {
   const T reach = std::max(std::fabs(problem.lo), std::fabs(problem.hi));
   if (reach <= static_cast<T>(power_of_two(3 * kEighth<T> / problem.degree()))) return true;
   power_basis::Scratch<double> wide(problem.c.size());
-  std::copy(problem.c.begin(), problem.c.end(), wide.span().begin());
+  std::transform(problem.c.begin(), problem.c.end(), wide.span().begin(),
+                 [](T c) { return static_cast<double>(c); });
   // One part in 2^20 pays for the rounding to float.
   const T bound = static_cast<T>(root_bound(wide.span()) * (1 + 0x1p-20));
   problem.lo = std::max(problem.lo, -bound);

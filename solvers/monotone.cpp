@@ -85,7 +85,7 @@ struct Cuts {
 /// well: at d = u^(1/2) |x|, or u^(1/3) |x| where convergence is slow, that is rounding.
 template <class T>
 BracketStop<T> critical_point_stop(T absolute) {
-  constexpr bool kDouble = std::is_same_v<T, double>;
+  constexpr bool kDouble = std::numeric_limits<T>::digits == std::numeric_limits<double>::digits;
   return {kDouble ? T(0x1p-18) : T(0x1p-8), kDouble ? T(0x1p-27) : T(0x1p-12), absolute};
 }
 

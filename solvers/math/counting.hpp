@@ -7,15 +7,19 @@
 //          constants alone is not counted (a compiler would have done it). All counted inputs of one formula
 //          share one OperationCount.
 // Returns: the values that T gives, bit for bit.
-// Counted: a subtraction is an addition; min and max cost the comparison they make; fma is one `fused`.
-//          Negation, abs and copies are free: they move or change a sign bit, or fold into the next
-//          operation.
+// Counted: a subtraction is an addition; min and max cost the comparison they make; fma is one `fused`; ldexp
+//          is a multiplication by a power of two, and a test for finiteness a comparison. sqrt of a complex
+//          number and what is no arithmetic (log2, cos, ceil, ...) is one `functions` each, whatever is in
+//          it. Negation, abs, copies, and what only reads or moves bits (copysign, ilogb, nextafter) are
+//          free: they are no arithmetic, or fold into the next operation. A number that leaves through
+//          `static_cast<double>` is a constant from then on.
 // Cost:    one increment an operation; no allocation, no shared state, so one OperationCount a thread.
 #pragma once
 
 #include <cmath>
 #include <compare>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 namespace graze {
@@ -26,11 +30,12 @@ struct OperationCount {
   std::uint64_t divisions = 0;
   std::uint64_t square_roots = 0;
   std::uint64_t comparisons = 0;
-  std::uint64_t fused = 0;  ///< x y + z with one rounding
+  std::uint64_t fused = 0;      ///< x y + z with one rounding
+  std::uint64_t functions = 0;  ///< calls of elementary functions, and of sqrt for a complex number
 
-  /// Floating-point operations: everything but comparisons, a fused one as two.
+  /// Floating-point operations: everything but comparisons, a fused one as two, a function as one.
   [[nodiscard]] constexpr std::uint64_t flops() const {
-    return additions + multiplications + divisions + square_roots + 2 * fused;
+    return additions + multiplications + divisions + square_roots + 2 * fused + functions;
   }
   constexpr OperationCount& operator+=(const OperationCount& other) {
     additions += other.additions;
@@ -39,6 +44,7 @@ struct OperationCount {
     square_roots += other.square_roots;
     comparisons += other.comparisons;
     fused += other.fused;
+    functions += other.functions;
     return *this;
   }
   friend constexpr bool operator==(const OperationCount&, const OperationCount&) = default;
@@ -61,6 +67,9 @@ class Counted {
 
   [[nodiscard]] constexpr const T& value() const { return value_; }
   [[nodiscard]] constexpr OperationCount* count() const { return count_; }
+  template <class U>
+  requires std::is_arithmetic_v<U>
+  constexpr explicit operator U() const { return static_cast<U>(value_); }
 
   friend constexpr Counted operator-(const Counted& x) { return {-x.value_, x.count_}; }
   friend constexpr Counted operator+(const Counted& x, const Counted& y) {
@@ -102,6 +111,73 @@ class Counted {
     return {fma(x.value_, y.value_, z.value_), note(&OperationCount::fused, x, y, z)};
   }
 
+  friend Counted fabs(const Counted& x) { return abs(x); }
+  friend Counted ldexp(const Counted& x, int k) {
+    using std::ldexp;
+    return {ldexp(x.value_, k), note(&OperationCount::multiplications, x)};
+  }
+  friend bool isfinite(const Counted& x) {
+    note(&OperationCount::comparisons, x);
+    using std::isfinite;
+    return isfinite(x.value_);
+  }
+  friend bool isnan(const Counted& x) {
+    note(&OperationCount::comparisons, x);
+    using std::isnan;
+    return isnan(x.value_);
+  }
+  friend int ilogb(const Counted& x) {
+    using std::ilogb;
+    return ilogb(x.value_);
+  }
+  friend Counted copysign(const Counted& x, const Counted& sign) {
+    using std::copysign;
+    return {copysign(x.value_, sign.value_), x.count_};
+  }
+  friend Counted nextafter(const Counted& x, const Counted& towards) {
+    using std::nextafter;
+    return {nextafter(x.value_, towards.value_), x.count_};
+  }
+  friend Counted ceil(const Counted& x) {
+    using std::ceil;
+    return {ceil(x.value_), note(&OperationCount::functions, x)};
+  }
+  friend long lround(const Counted& x) {
+    note(&OperationCount::functions, x);
+    using std::lround;
+    return lround(x.value_);
+  }
+  friend Counted log2(const Counted& x) {
+    using std::log2;
+    return {log2(x.value_), note(&OperationCount::functions, x)};
+  }
+  friend Counted exp2(const Counted& x) {
+    using std::exp2;
+    return {exp2(x.value_), note(&OperationCount::functions, x)};
+  }
+  friend Counted sin(const Counted& x) {
+    using std::sin;
+    return {sin(x.value_), note(&OperationCount::functions, x)};
+  }
+  friend Counted cos(const Counted& x) {
+    using std::cos;
+    return {cos(x.value_), note(&OperationCount::functions, x)};
+  }
+  friend Counted cbrt(const Counted& x) {
+    using std::cbrt;
+    return {cbrt(x.value_), note(&OperationCount::functions, x)};
+  }
+  friend Counted pow(const Counted& x, const Counted& y) {
+    using std::pow;
+    return {pow(x.value_, y.value_), note(&OperationCount::functions, x, y)};
+  }
+
+  /// Counts a call of a function of these numbers that this type does not wrap itself; the result's counts.
+  template <class... Operands>
+  static OperationCount* note_function(const Operands&... operands) {
+    return note(&OperationCount::functions, operands...);
+  }
+
  private:
   using Field = std::uint64_t OperationCount::*;
 
@@ -119,3 +195,16 @@ class Counted {
 };
 
 }  // namespace graze
+
+/// The limits of T, as constants.
+template <class T>
+class std::numeric_limits<graze::Counted<T>> : public std::numeric_limits<T> {
+ public:
+  static constexpr graze::Counted<T> min() { return std::numeric_limits<T>::min(); }
+  static constexpr graze::Counted<T> lowest() { return std::numeric_limits<T>::lowest(); }
+  static constexpr graze::Counted<T> max() { return std::numeric_limits<T>::max(); }
+  static constexpr graze::Counted<T> epsilon() { return std::numeric_limits<T>::epsilon(); }
+  static constexpr graze::Counted<T> infinity() { return std::numeric_limits<T>::infinity(); }
+  static constexpr graze::Counted<T> quiet_NaN() { return std::numeric_limits<T>::quiet_NaN(); }
+  static constexpr graze::Counted<T> denorm_min() { return std::numeric_limits<T>::denorm_min(); }
+};

@@ -96,6 +96,36 @@ TEST(Counting, ComparisonsAndFusedOperationsAreCounted) {
   EXPECT_EQ(count.flops(), 2U);
 }
 
+TEST(Counting, FunctionsAndPowersOfTwoAreCountedBitsAreFree) {
+  OperationCount count;
+  const Number x(3.0, &count);
+  EXPECT_EQ(log2(x).value(), std::log2(3.0));
+  EXPECT_EQ(cbrt(x).value(), std::cbrt(3.0));
+  EXPECT_EQ(pow(x, Number(2.0)).value(), 9);
+  EXPECT_EQ(count, (OperationCount{.functions = 3}));
+  EXPECT_EQ(ldexp(x, 4).value(), 48);
+  EXPECT_EQ(count, (OperationCount{.multiplications = 1, .functions = 3}));
+  EXPECT_TRUE(isfinite(x) && !isnan(x));
+  EXPECT_EQ(count.comparisons, 2U);
+  // These read or move bits.
+  EXPECT_EQ(ilogb(x), 1);
+  EXPECT_EQ(copysign(x, Number(-1.0)).value(), -3);
+  EXPECT_EQ(nextafter(x, Number(4.0)).value(), std::nextafter(3.0, 4.0));
+  EXPECT_EQ(count.flops(), 4U);
+  EXPECT_EQ(copysign(x, Number(-1.0)).count(), &count);
+}
+
+TEST(Counting, ANumberThatLeavesIsAConstantAndLimitsAreThoseOfItsType) {
+  OperationCount count;
+  const Number x(3.0, &count);
+  const double left = static_cast<double>(x);
+  EXPECT_EQ((Number(left) * Number(2.0)).value(), 6);
+  EXPECT_EQ(count, OperationCount{});
+  EXPECT_EQ(std::numeric_limits<Number>::epsilon().value(), std::numeric_limits<double>::epsilon());
+  EXPECT_EQ(std::numeric_limits<Number>::infinity().count(), nullptr);
+  static_assert(std::numeric_limits<Number>::digits == std::numeric_limits<double>::digits);
+}
+
 TEST(Counting, OtherScalarsCountTheSame) {
   OperationCount single, twofold, ranges, total;
   const std::vector<Counted<float>> f{{1.5F, &single}, {2.5F, &single}, {0.5F, &single}};

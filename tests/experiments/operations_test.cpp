@@ -1,0 +1,276 @@
+// Counted solvers give the plain ones' answers bit for bit, and counts that a hand can check.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <graze/experiments/counted_solver.hpp>
+#include <graze/solvers/math/rng.hpp>
+#include <graze/surfaces/registry.hpp>
+
+#include "operations.hpp"
+
+namespace graze {
+namespace {
+
+constexpr std::uint64_t kSeed = 20261122;
+
+struct Answer {
+  Roots roots;
+  OperationCount count;
+};
+
+template <class Equation>
+Answer counted(std::string_view name, const Equation& equation) {
+  Answer answer;
+  make_counted_solver(name, {})->solve(equation, answer.roots, answer.count);
+  return answer;
+}
+
+template <class Equation>
+Roots plain(std::string_view name, const Equation& equation) {
+  Roots roots;
+  find_solver(name).make({})->solve(std::span(&equation, 1), std::span(&roots, 1));
+  return roots;
+}
+
+void expect_same(const Roots& is, const Roots& wanted, const std::string& where) {
+  EXPECT_EQ(is.status, wanted.status) << where;
+  EXPECT_EQ(is.counters.evaluations, wanted.counters.evaluations) << where;
+  EXPECT_EQ(is.counters.iterations, wanted.counters.iterations) << where;
+  EXPECT_EQ(is.counters.starts, wanted.counters.starts) << where;
+  ASSERT_EQ(is.list.size(), wanted.list.size()) << where;
+  for (std::size_t i = 0; i < is.list.size(); ++i) {
+    EXPECT_EQ(is.list[i].x, wanted.list[i].x) << where;
+    EXPECT_EQ(is.list[i].others, wanted.list[i].others) << where;
+    EXPECT_EQ(is.list[i].multiplicity, wanted.list[i].multiplicity) << where;
+    // A radius may be no number, on both sides.
+    const bool is_same = is.list[i].radius == wanted.list[i].radius ||
+                         (std::isnan(is.list[i].radius) && std::isnan(wanted.list[i].radius));
+    EXPECT_TRUE(is_same) << where;
+  }
+}
+
+/// Coefficients whose sizes differ by up to 2^8, now and then with a double root or bounds on their errors.
+struct RandomPolynomial {
+  std::vector<double> c, c_error;
+  PolynomialEquation equation;
+
+  RandomPolynomial(Rng& rng, int degree) : c(static_cast<std::size_t>(degree) + 1) {
+    for (double& v : c) v = std::ldexp(rng.uniform(-1, 1), static_cast<int>(rng.next() % 9) - 4);
+    if (degree >= 2 && rng.next() % 4 == 0) square_a_factor(rng.uniform(-1, 1));
+    if (rng.next() % 2 == 0) {
+      for (const double v : c) c_error.push_back(std::fabs(v) * 0x1p-52);
+    }
+    equation.c = c;
+    equation.c_error = c_error;
+    equation.lo = -2;
+    equation.hi = 2;
+  }
+
+ private:
+  /// (x - r)^2 times what its own lower coefficients are.
+  void square_a_factor(double r) {
+    const std::vector<double> rest(c.begin(), c.end() - 2);
+    std::fill(c.begin(), c.end(), 0.0);
+    const std::array<double, 3> square{r * r, -2 * r, 1};
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      for (std::size_t k = 0; k < square.size(); ++k) c[i + k] += rest[i] * square[k];
+    }
+  }
+};
+
+TEST(CountedSolvers, AnswerRandomPolynomialsAsThePlainOnesBitForBit) {
+  constexpr int kCases = 300;
+  int solvers = 0;
+  for (const CountedSolverEntry& entry : counted_solver_registry()) {
+    if (!entry.make({})->takes(Form::polynomial)) continue;
+    ++solvers;
+    Rng rng(kSeed);
+    for (int i = 0; i < kCases; ++i) {
+      const int degree = 1 + static_cast<int>(rng.next() % (entry.name == "closed_form" ? 4 : 9));
+      const RandomPolynomial random(rng, degree);
+      const Answer answer = counted(entry.name, random.equation);
+      expect_same(answer.roots, plain(entry.name, random.equation),
+                  std::string(entry.name) + ", case " + std::to_string(i));
+      EXPECT_GT(answer.count.flops(), 0U) << entry.name;
+      EXPECT_EQ(answer.count, counted(entry.name, random.equation).count) << entry.name;
+    }
+  }
+  EXPECT_GE(solvers, 1);
+}
+
+/// x^2 - a for a = 2 in form scalar.
+Jet parabola(const void* /*self*/, double x) { return {x * x - 2, 2 * x, 2, 0x1p-52 * (x * x + 2)}; }
+
+TEST(CountedSolvers, AnswerAScalarEquationBitForBitAndCallItAsOften) {
+  const ScalarEquation equation{nullptr, parabola, -2, 3, 2, 7};
+  for (const CountedSolverEntry& entry : counted_solver_registry()) {
+    if (!entry.make({})->takes(Form::scalar)) continue;
+    const Answer answer = counted(entry.name, equation);
+    expect_same(answer.roots, plain(entry.name, equation), std::string(entry.name));
+    EXPECT_EQ(answer.roots.list.size(), 2U) << entry.name;
+    EXPECT_GT(answer.count.flops(), answer.roots.counters.evaluations) << entry.name;
+  }
+}
+
+/// x^2 + y^2 = 2, x = y.
+SystemEquation circle_and_diagonal() {
+  SystemEquation equation;
+  equation.unknowns = 2;
+  equation.eval = [](const void* /*self*/, const Vector& x, Vector& f, Matrix& jacobian) {
+    f = {x[0] * x[0] + x[1] * x[1] - 2, x[0] - x[1], 0};
+    jacobian = {{{2 * x[0], 2 * x[1], 0}, {1, -1, 0}, {0, 0, 0}}};
+  };
+  equation.start = [](const void* /*self*/, Rng& rng, Vector& x) {
+    x = {rng.uniform(-2, 2), rng.uniform(-2, 2), 0};
+    return true;
+  };
+  equation.lo = {-2, -2, 0};
+  equation.hi = {2, 2, 0};
+  equation.residual_scale = 2;
+  equation.max_roots = 2;
+  equation.seed = 3;
+  return equation;
+}
+
+TEST(CountedSolvers, AnswerASystemBitForBit) {
+  const SystemEquation equation = circle_and_diagonal();
+  for (const CountedSolverEntry& entry : counted_solver_registry()) {
+    if (!entry.make({})->takes(Form::system)) continue;
+    const Answer answer = counted(entry.name, equation);
+    expect_same(answer.roots, plain(entry.name, equation), std::string(entry.name));
+    EXPECT_EQ(answer.roots.list.size(), 2U) << entry.name;
+    EXPECT_GT(answer.count.divisions, 0U) << entry.name;
+  }
+}
+
+TEST(CountedSolvers, RefuseAFormTheyDoNotTake) {
+  if (make_counted_solver("aberth", {}) == nullptr) GTEST_SKIP() << "not in this build";
+  Answer answer;
+  const auto solver = make_counted_solver("aberth", {});
+  EXPECT_FALSE(solver->takes(Form::scalar));
+  EXPECT_FALSE(solver->takes(Form::interval));
+  EXPECT_THROW(solver->solve(ScalarEquation{}, answer.roots, answer.count), std::logic_error);
+  EXPECT_EQ(make_counted_solver("no_such_solver", {}), nullptr);
+}
+
+OperationCount arithmetic(OperationCount count) {
+  count.comparisons = 0;
+  return count;
+}
+
+PolynomialEquation power(std::span<const double> c) {
+  PolynomialEquation equation;
+  equation.c = c;
+  equation.lo = -100;
+  equation.hi = 100;
+  return equation;
+}
+
+TEST(CountedSolvers, ALinearEquationInClosedFormTakesADivision) {
+  const std::array<double, 2> c{3, 2};
+  const Answer answer = counted("closed_form", power(c));
+  ASSERT_EQ(answer.roots.list.size(), 1U);
+  // -c0 / c1; the radius: 4 eps |x|, and what the coefficients' errors add, which is none.
+  EXPECT_EQ(arithmetic(answer.count), (OperationCount{.additions = 1, .multiplications = 1, .divisions = 1}));
+}
+
+TEST(CountedSolvers, AQuadraticInClosedFormTakesTwentyOperations) {
+  const std::array<double, 3> c{2, -3, 1};
+  const Answer answer = counted("closed_form", power(c));
+  ASSERT_EQ(answer.roots.list.size(), 2U);
+  // Half of c1: a division. Scaling: 3 powers of two on, 2 off. Discriminant: a product, 2 fma, a sum. Roots:
+  // a square root, a sum, 2 quotients. Radii: a product and a sum each.
+  EXPECT_EQ(
+      arithmetic(answer.count),
+      (OperationCount{.additions = 4, .multiplications = 8, .divisions = 3, .square_roots = 1, .fused = 2}));
+  EXPECT_EQ(answer.count.flops(), 20U);
+}
+
+TEST(CountedSolvers, CubicsAndQuarticsInClosedFormTakeHundreds) {
+  constexpr int kCases = 10'000;
+  std::array<double, 2> mean{};
+  for (const int degree : {3, 4}) {
+    Rng rng(kSeed);
+    OperationCount total;
+    for (int i = 0; i < kCases; ++i) {
+      std::vector<double> c(static_cast<std::size_t>(degree) + 1);
+      for (double& v : c) v = rng.uniform(-1, 1);
+      total += counted("closed_form", power(c)).count;
+    }
+    mean[static_cast<std::size_t>(degree - 3)] = static_cast<double>(total.flops()) / kCases;
+    std::printf("closed_form, degree %d: %.1f operations, of them %.1f divisions and %.1f square roots\n",
+                degree, static_cast<double>(total.flops()) / kCases,
+                static_cast<double>(total.divisions) / kCases,
+                static_cast<double>(total.square_roots) / kCases);
+  }
+  // What solvers/closed_form.md prints, to the last digit: the coefficients are the same everywhere.
+  EXPECT_LT(mean[0], mean[1]);
+}
+
+// ---------------------------------------------------------------------------------------------------- cells
+
+SurfaceSpec surface(std::string_view text) { return parse_surface(text); }
+
+std::vector<Ray> rays_at(const SurfaceSpec& spec, std::size_t count) {
+  const auto made = find_surface(spec.type).make(spec);
+  Rng rng(kSeed);
+  std::vector<Ray> rays;
+  const double away = 4 * made->size();
+  while (rays.size() < count) {
+    const Vec3 origin{rng.uniform(-away, away), rng.uniform(-away, away), rng.uniform(-away, away)};
+    const Vec3 target = made->sample(rng.uniform(0, 1), rng.uniform(0, 1)).point;
+    rays.push_back({origin, target - origin});
+  }
+  return rays;
+}
+
+std::optional<OperationTotals> cell(std::string_view surface_text, std::string_view solver,
+                                    std::string_view formulation = {}) {
+  const SurfaceSpec spec = surface(surface_text);
+  return count_operations(spec, formulation, parse_solver(solver), rays_at(spec, 100), Query::first);
+}
+
+TEST(CountedCells, PolynomialsAreCountedWholeAndFunctionsApart) {
+  const auto companion = cell("torus:R=1,r=0.25", "companion");
+  ASSERT_TRUE(companion.has_value());
+  EXPECT_EQ(companion->rays, 100U);
+  EXPECT_EQ(companion->evaluations, 0U);
+  EXPECT_GT(companion->per_ray(companion->count.flops()), 100);
+  const auto newton = cell("torus:R=1,r=0.25", "newton_slices");
+  ASSERT_TRUE(newton.has_value());
+  EXPECT_GT(newton->evaluations, 0U);
+}
+
+TEST(CountedCells, CountsAreDeterministicAndAddUpOverRays) {
+  const SurfaceSpec spec = surface("torus:R=1,r=0.25");
+  const std::vector<Ray> rays = rays_at(spec, 100);
+  const SolverSpec solver = parse_solver("laguerre");
+  const auto count = [&](std::size_t from, std::size_t to) {
+    return count_operations(spec, "", solver, std::span(rays).subspan(from, to - from), Query::all)->count;
+  };
+  OperationCount sum = count(0, 37);
+  sum += count(37, 100);
+  EXPECT_EQ(sum, count(0, 100));
+}
+
+TEST(CountedCells, WhatCannotBeCountedIsAbsent) {
+  const std::string torus = "torus:R=1,r=0.25";
+  EXPECT_FALSE(cell(torus, "certified").has_value());
+  EXPECT_FALSE(cell(torus, "interval_bisection").has_value());
+  // The change from the Bernstein basis is made in double.
+  const std::string bezier = "bezier_revolution:control_points=[[0,0],[2,0],[3,2],[0,6]]";
+  EXPECT_FALSE(cell(bezier, "companion").has_value());
+  SolverSpec in_float = parse_solver("companion");
+  in_float.precision = Precision::binary32;
+  const SurfaceSpec spec = surface(torus);
+  EXPECT_FALSE(count_operations(spec, "", in_float, rays_at(spec, 10), Query::all).has_value());
+  EXPECT_FALSE(count_operations(spec, "", parse_solver("companion"), {}, Query::all).has_value());
+}
+
+}  // namespace
+}  // namespace graze
