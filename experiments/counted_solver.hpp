@@ -151,7 +151,10 @@ class CountedModel final : public CountedSolver {
   void solve(const PolynomialEquation& equation, Roots& roots, OperationCount& count) const override {
     if constexpr (counted::takes<S>(Form::polynomial)) {
       const auto c = counted::numbers(equation.c, count), c_error = counted::numbers(equation.c_error, count);
-      BasicPolynomialEquation<counted::Number> same{c, c_error, equation.basis};
+      BasicPolynomialEquation<counted::Number> same;
+      same.c = c;
+      same.c_error = c_error;
+      same.basis = equation.basis;
       same.lo = {equation.lo, &count};
       same.hi = {equation.hi, &count};
       same.epsilons = equation.epsilons;
