@@ -6,8 +6,8 @@
 //           number left the range or the iteration its budget
 // error     measured (tests/solvers/math/cubic_test.cpp): the three roots are those of a cubic whose every
 //           coefficient differs by at most kCubicBackward u of the sum of its terms' moduli
-// cost      a cube root, 1 or 2 square roots, 6 Newton steps on average (at most kCubicSteps), one division
-//           a step; no allocation
+// cost      counted, on average over random coefficients in (-1, 1): 121 operations, of them a cube root,
+//           2 square roots and 16 divisions, in 6 Newton steps (at most kCubicSteps); no allocation
 // source    Kahan, "To solve a real cubic equation" (1986), procedures EVAL and QBC. Changed: a budget of
 //           steps; the quadratic factor is divided by c3 first
 #pragma once
