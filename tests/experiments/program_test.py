@@ -691,9 +691,22 @@ class Bench(ProgramTest):
             self.assertEqual(line["judged"], 50)
         self.assertEqual(lines[2]["wrong"], 0)  # certified
 
+    def test_operations_are_counted_or_absent(self):
+        lines = answers(self.done("bench", "--surface", "torus:R=1,r=0.25", "--solver", "closed_form,newton_slices,certified",
+                                  *self.QUICK, "--json"))
+        formula, slices, certified = (line["solver_operations"] for line in lines)
+        self.assertEqual(set(formula), {"total", "additions", "multiplications", "divisions", "square_roots", "fused",
+                                        "functions", "comparisons", "evaluations_apart", "rays"})
+        parts = [formula[key] for key in ("additions", "multiplications", "divisions", "square_roots", "functions")]
+        self.assertAlmostEqual(formula["total"], sum(parts) + 2 * formula["fused"])
+        self.assertGreater(formula["total"], 100)
+        self.assertEqual((formula["evaluations_apart"], formula["rays"]), (0, 100))
+        self.assertGreater(slices["evaluations_apart"], 1)
+        self.assertIsNone(certified)
+
     def test_a_table_for_people(self):
         text = self.done("bench", *TEARDROP, "--solver", "companion", *self.QUICK).stdout
-        for word in ("camera", "companion", "median ns", "wrong"):
+        for word in ("camera", "companion", "median ns", "solver operations", "wrong"):
             self.assertIn(word, text)
 
     def test_any_is_judged_by_presence(self):
