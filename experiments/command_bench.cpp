@@ -34,7 +34,7 @@ struct BenchOptions {
   bool json = false;
 };
 
-/// Rays whose operations are counted: their mean is steady to a few percent, and counting is slow.
+/// Rays whose operations are counted: enough for a steady mean, few enough for the slowest solver.
 constexpr std::size_t kCountedRays = 1000;
 
 /// The family's rays; those of the family `scale` at scale 1, since one surface is timed.
