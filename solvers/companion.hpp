@@ -11,7 +11,8 @@
 //           split into are reported as one of multiplicity 2
 // cost      O(n^3): one eigenvalue-only QR; one evaluation an eigenvalue. Allocates above degree 8
 // source    Edelman, Murakami, "Polynomial roots from companion matrix eigenvalues", Math. Comp. 64 (1995);
-//           colleague matrix: Specht 1957; Good, Quart. J. Math. 12 (1961); balancing after Parlett, Reinsch, Numer. Math. 13 (1969); eigenvalues by Eigen
+//           colleague matrix: Specht 1957; Good, Quart. J. Math. 12 (1961); balancing after Parlett, Reinsch,
+//           Numer. Math. 13 (1969); eigenvalues by Eigen
 #pragma once
 
 #include <graze/solvers/power_basis.hpp>
