@@ -163,7 +163,8 @@ void solve_chebyshev(const BasicPolynomialEquation<T>& equation, Roots& roots) {
     return;
   }
   std::array<double, kMostCoefficients> c{}, power{}, error{};
-  std::copy_n(equation.c.begin(), size, c.begin());
+  std::transform(equation.c.begin(), equation.c.begin() + static_cast<std::ptrdiff_t>(size), c.begin(),
+                 [](T x) { return static_cast<double>(x); });
   chebyshev_to_power({c.data(), size}, {}, {power.data(), size}, {error.data(), size});
   FiveCoefficients<T> rounded{};
   std::transform(power.begin(), power.end(), rounded.begin(), [](double v) { return static_cast<T>(v); });
