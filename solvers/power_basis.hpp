@@ -231,6 +231,12 @@ void solve_changed(const BasicPolynomialEquation<T>& equation, double first, con
   std::vector<double> c(b.size());
   std::vector<double> c_error(b.size());
   to_power(b, b_error, c, c_error);
+  // A leading coefficient within its error is noise of the change: on [lo, hi] it counts for nothing, but it
+  // would put a root of the polynomial far away, and a method's start values with it.
+  while (c.size() > 1 && std::fabs(c.back()) <= c_error.back()) {
+    c.pop_back();
+    c_error.pop_back();
+  }
   const auto rounded = [](const std::vector<double>& from) {
     std::vector<T> to;
     for (const double v : from) to.push_back(static_cast<T>(v));

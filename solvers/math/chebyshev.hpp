@@ -51,19 +51,6 @@ ChebyshevValue<T> chebyshev_value(std::span<const T> c, T x) {
 
 namespace detail {
 
-/// Coefficients of T_k in the power basis, k up to kMaxChebyshevDegree: integers below 2^40.
-struct ChebyshevPowers {
-  std::array<std::array<std::int64_t, kMaxChebyshevSize>, kMaxChebyshevSize> of{};
-
-  constexpr ChebyshevPowers() {
-    of[0][0] = of[1][1] = 1;
-    for (std::size_t k = 2; k < kMaxChebyshevSize; ++k) {
-      for (std::size_t i = 0; i <= k; ++i) of[k][i] = (i > 0 ? 2 * of[k - 1][i - 1] : 0) - of[k - 2][i];
-    }
-  }
-};
-inline constexpr ChebyshevPowers kChebyshevPowers{};
-
 /// C(n,j) times Bernstein coefficient j of T_k in degree n: sum_i (-1)^(k-i) C(2k,2i) C(n-k,j-i).
 constexpr std::int64_t chebyshev_in_bernstein(std::size_t n, std::size_t j, std::size_t k) {
   const auto choose = [](std::size_t a, std::size_t b) {
@@ -104,9 +91,16 @@ void change_basis(std::span<const double> c, std::span<const double> c_error, st
 
 }  // namespace detail
 
-/// Coefficient i of T_k in the power basis; exact. Needs: i, k <= kMaxChebyshevDegree.
+/// Coefficient i of T_k in the power basis, (-1)^m 2^(i-1) k C(k-m, m) / (k-m) for i = k - 2m; exact.
+/// Needs: i, k <= kMaxChebyshevDegree.
 inline double chebyshev_power_weight(std::size_t i, std::size_t k) {
-  return static_cast<double>(detail::kChebyshevPowers.of[k][i]);
+  if (i > k || (k - i) % 2 != 0) return 0;
+  if (k == 0) return 1;
+  const std::size_t m = (k - i) / 2;
+  const auto ways = static_cast<double>(detail::kPascal.entries[detail::PascalTriangle::row(k - m) + m]);
+  const double size =
+      std::ldexp(static_cast<double>(k) * ways / static_cast<double>(k - m), static_cast<int>(i) - 1);
+  return m % 2 == 0 ? size : -size;
 }
 
 /// Chebyshev coefficients to power coefficients of x in [-1, 1], ascending.

@@ -195,6 +195,12 @@ struct Cell {
     return std::string(surface->formulations[pairing.formulation].name);
   }
   [[nodiscard]] bool in_float() const { return pairing.precision == Precision::binary32; }
+  [[nodiscard]] bool has_kernel() const {
+    for (const KernelEntry& kernel : surface->kernels) {
+      if (kernel.solver == solver->name && kernel.formulation == formulation()) return !in_float();
+    }
+    return false;
+  }
   /// Solvers from random starts get few of them here: what is tested does not depend on their number.
   [[nodiscard]] Parameters options(double tries) const {
     Parameters parameters;

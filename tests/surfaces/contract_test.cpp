@@ -122,6 +122,17 @@ TEST_P(SurfaceCell, QueriesFirstAndAnyAgreeWithAll) {
       ASSERT_EQ(any[i].l.size(), first[i].l.size());
       EXPECT_EQ(first[i].status, all[i].status);
       if (first[i].l.empty()) continue;
+      if (GetParam().has_kernel()) {
+        // A kernel may prove the first hit by another tier when it need not look for the others: both are
+        // within 4 condition units of the truth.
+        const double d = norm(all_rays[i].d);
+        const double cosine = std::fabs(dot(all[i].normal[0], all_rays[i].d)) / d;
+        const double unit = std::numeric_limits<double>::epsilon() *
+                            (all[i].l[0] + GetParam().surface->make(spec)->size() / d / cosine);
+        EXPECT_NEAR(first[i].l[0], all[i].l[0], 8 * unit);
+        EXPECT_EQ(any[i].l[0], first[i].l[0]);
+        continue;
+      }
       EXPECT_EQ(first[i].l[0], all[i].l[0]);
       EXPECT_EQ(first[i].normal[0], all[i].normal[0]);
       EXPECT_EQ(first[i].params[0], all[i].params[0]);
