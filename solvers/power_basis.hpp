@@ -227,7 +227,10 @@ template <class T, class Method, class ToPower>
 void solve_changed(const BasicPolynomialEquation<T>& equation, double first, const ToPower& to_power,
                    Roots& roots, const Method& method) {
   const std::vector<double> b(equation.c.begin(), equation.c.end());
-  const std::vector<double> b_error(equation.c_error.begin(), equation.c_error.end());
+  std::vector<double> b_error(equation.c_error.begin(), equation.c_error.end());
+  // Where nothing is said of errors, the coefficients are taken for rounded ones.
+  for (std::size_t i = 0; b_error.size() < b.size(); ++i)
+    b_error.push_back(std::fabs(b[i]) * static_cast<double>(kU<T>));
   std::vector<double> c(b.size());
   std::vector<double> c_error(b.size());
   to_power(b, b_error, c, c_error);

@@ -814,7 +814,7 @@ class Sweep(ProgramTest):
         out = self.sweep(config, "out")
         tables = (*self.RESULTS, "timing", "build")
         before = {table: rows(out, table) for table in tables}
-        self.assertEqual(len(before["record"]), 2 * 60 * 2)  # families x rays x formulations
+        self.assertEqual(len(before["record"]), 2 * 60 * 5)  # families x rays x formulations
         self.sweep(config, "out")
         for table in tables:
             self.assertEqual(rows(out, table), before[table], table)
