@@ -62,13 +62,13 @@ class HitBuffer {
   /// Closes the answers of counts.size() rays at once, all ok: counts[i] hits each, in the arrays since the
   /// last ray was closed. `work`: as many counters, or more.
   void close_rays(std::span<const std::int8_t> counts, std::span<const Counters> work) {
-    std::size_t end = ends_.empty() ? 0 : ends_.back();
+    std::uint32_t end = ends_.empty() ? 0 : ends_.back();
     const std::size_t first = ends_.size();
     ends_.resize(first + counts.size());
     std::uint32_t* const ends = ends_.data() + first;
     for (std::size_t i = 0; i < counts.size(); ++i) {
-      end += static_cast<std::size_t>(counts[i]);
-      ends[i] = static_cast<std::uint32_t>(end);
+      end += static_cast<std::uint8_t>(counts[i]);  // not negative: no ray is open
+      ends[i] = end;
     }
     l.resize(end);
     surface.resize(end);

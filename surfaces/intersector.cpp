@@ -45,7 +45,7 @@ const KernelEntry* kernel_for(const SolverEntry& solver, const SurfaceEntry& sur
 void append_answers(const KernelAnswers& answers, const KernelAnswers::Extremes& extremes,
                     std::span<const Counters> first_tier, HitBuffer& out) {
   const std::size_t rays = answers.hits.size(), ray = out.rays(), hit = out.l.size();
-  const auto most = static_cast<std::size_t>(extremes.most);
+  const std::size_t most = static_cast<std::uint8_t>(extremes.most);  // no ray is open: not negative
   out.grow(rays * most);
   double* next = out.l.data() + hit;
   if (most == 1) {
@@ -55,7 +55,7 @@ void append_answers(const KernelAnswers& answers, const KernelAnswers::Extremes&
     }
   } else {
     for (std::size_t i = 0; i < rays; ++i) {
-      for (std::size_t k = 0; k < static_cast<std::size_t>(answers.hits[i]); ++k) *next++ = answers.l[k][i];
+      for (int k = 0; k < answers.hits[i]; ++k) *next++ = answers.l[static_cast<std::size_t>(k)][i];
     }
   }
   out.close_rays(answers.hits, first_tier);

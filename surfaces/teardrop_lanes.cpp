@@ -14,7 +14,7 @@ constexpr double kInfinity = __builtin_inf();
 constexpr double kOpen = __builtin_nan("");
 constexpr double kTiny = 0x1p-960;   // far above what underflow can add to a bound, far below what matters
 constexpr std::size_t kBlock = 256;  // about 60 kB of lanes
-constexpr std::size_t kPadded = kBlock + 2 * kLanes;
+constexpr std::size_t kPadded = kBlock + kFloats;
 
 template <class V>
 using Scalar = std::remove_reference_t<decltype(V{}[0])>;
@@ -232,7 +232,7 @@ void cull(const Frame& frame, const TeardropBatch& batch, const Majorant<Floats>
   // operations.
   constexpr float kMargin = 0x1p-16F;
   const Rays a = read(frame, batch, rays, &block.back[at]);
-  const Rays b = read(frame, batch, rays + 6 * kLanes, &block.back[at + kLanes]);
+  const Rays b = read(frame, batch, rays + std::size_t{6} * kLanes, &block.back[at + kLanes]);
   const Line<Floats> line = line_of(a, b);
   const Quadratic<Floats> q = against(frame, line, ellipsoid);
   const FloatMask missed = q.discriminant < -q.error;
@@ -243,7 +243,7 @@ void cull(const Frame& frame, const TeardropBatch& batch, const Majorant<Floats>
   const Floats centre = narrow(a.centre, b.centre);
   const FloatMask behind = out_at + kMargin * abs(out_at) < -centre - kMargin * abs(centre);
   const FloatMask ahead = in_at - kMargin * abs(in_at) > -centre + kMargin * abs(centre);
-  for (std::size_t i = 0; i < 2 * kLanes; i += kLanes) {
+  for (std::size_t i = 0; i < kFloats; i += kLanes) {
     store(&block.in[at + i], all(kInfinity));
     store(&block.out[at + i], all(kInfinity));
   }
@@ -298,11 +298,11 @@ template <class V>
 /// Guesses in floats: what is left to double is one step and the proof. A loop for each step, so that the
 /// long chains of neighbours overlap.
 void guess(const Frame& frame, Queue& queue) {
-  for (std::size_t i = 0; i < queue.size; i += 2 * kLanes)
+  for (std::size_t i = 0; i < queue.size; i += kFloats)
     store(&queue.guess[i], step_by_majorant(frame, floats_at(queue, i), load(&queue.start[i])));
-  for (std::size_t i = 0; i < queue.size; i += 2 * kLanes)
+  for (std::size_t i = 0; i < queue.size; i += kFloats)
     store(&queue.guess[i], step_by_euler(frame, floats_at(queue, i), load(&queue.guess[i])));
-  for (std::size_t i = 0; i < queue.size; i += 2 * kLanes) {
+  for (std::size_t i = 0; i < queue.size; i += kFloats) {
     const auto [a, b] = widen(step_by_euler(frame, floats_at(queue, i), load(&queue.guess[i])));
     store(&queue.entry[i], a);
     store(&queue.entry[i + kLanes], b);
@@ -328,7 +328,7 @@ void guess_hard(const Frame& frame, Queue& queue) {
     for (std::size_t i = 0; i < queue.size; i += kLanes)
       store(&queue.entry[i], step(line_at(queue, i), load(&queue.entry[i])));
   };
-  for (std::size_t i = 0; i < queue.size; i += 2 * kLanes) {
+  for (std::size_t i = 0; i < queue.size; i += kFloats) {
     const auto [a, b] = widen(load(&queue.start[i]));
     store(&queue.entry[i], a);
     store(&queue.entry[i + kLanes], b);
@@ -389,7 +389,7 @@ void certify(const Frame& frame, Queue& queue) {
 template <std::size_t kParts, class T>
 void pad(T* const (&parts)[kParts], std::size_t size) {
   for (T* const part : parts) {
-    for (std::size_t i = 0; i < 2 * kLanes; ++i) part[size + i] = 0;
+    for (std::size_t i = 0; i < kFloats; ++i) part[size + i] = 0;
   }
 }
 void pad(Queue& queue) {
@@ -443,7 +443,7 @@ std::size_t conclude(bool wants_both, std::size_t size, Block& block, const Tear
 /// At most kBlock rays; returns how many it leaves open.
 std::size_t solve_block(const Frame& frame, const TeardropBatch& batch, bool is_hard, Block& block,
                         const TeardropAnswers& to) {
-  constexpr std::size_t kStep = 2 * kLanes;
+  constexpr std::size_t kStep = kFloats;
   // The tangent ellipsoid at v = 0.42, where the body is widest but for 1 %: the fewest lines are left.
   const Majorant<Floats> ellipsoid = majorant_at(all(0.42F));
   block.entries.size = block.exits.size = 0;

@@ -35,11 +35,13 @@ inline constexpr int kLanes = 4;
 inline constexpr int kLanes = 2;
 #endif
 
+inline constexpr std::size_t kFloats = std::size_t{2} * kLanes;
+
 /// kLanes doubles. + - * / and comparisons are the compiler's own; `mask ? a : b` selects by lane.
 using Lanes = double __attribute__((vector_size(8 * kLanes)));
 /// kLanes 64-bit integers; a comparison's mask has all bits of a true lane set.
 using Mask = decltype(Lanes{} < Lanes{});
-/// 2 kLanes floats, with 32-bit masks.
+/// kFloats floats, with 32-bit masks.
 using Floats = float __attribute__((vector_size(8 * kLanes)));
 using FloatMask = decltype(Floats{} < Floats{});
 
@@ -231,7 +233,7 @@ inline void store_selected(double* to, unsigned bits, Lanes x) {
   }
 #endif
 }
-/// The same for 2 kLanes floats.
+/// The same for kFloats floats.
 inline void store_selected(float* to, unsigned bits, Floats x) {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
   store(to, _mm512_maskz_compress_ps(static_cast<__mmask16>(bits), x));
@@ -250,7 +252,7 @@ inline void store_selected(float* to, unsigned bits, Floats x) {
   }
 #endif
 }
-/// The same for 2 kLanes numbers first, first + 1, ...
+/// The same for kFloats numbers first, first + 1, ...
 inline void store_selected_numbers(std::int32_t* to, unsigned bits, std::int32_t first) {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
   const __m512i numbers = _mm512_add_epi32(
@@ -261,7 +263,7 @@ inline void store_selected_numbers(std::int32_t* to, unsigned bits, std::int32_t
       _mm256_add_epi32(_mm256_set1_epi32(first), _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0));
   float packed[8 + 4];
   store_selected(packed, bits, _mm256_castsi256_ps(numbers));
-  __builtin_memcpy(to, packed, 2 * kLanes * sizeof(std::int32_t));
+  __builtin_memcpy(to, packed, sizeof numbers);
 #else
   int next = 0;
   for (int i = 0; i < 2 * kLanes; ++i) {
@@ -285,11 +287,11 @@ inline void store_bytes(std::int8_t* to, Lanes x) {
 inline void load_records(const double* from, Lanes (&to)[6]) {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
   // Records (0, 2), (1, 3), (4, 6), (5, 7): unpacked in pairs, the halves come out in order.
-  const auto four = [&](int a, int b) {
+  const auto four = [&](std::size_t a, std::size_t b) {
     return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(from + 6 * a)),
                               _mm256_loadu_pd(from + 6 * b), 1);
   };
-  const auto two = [&](int first) {
+  const auto two = [&](std::size_t first) {
     __m512d x = _mm512_castpd128_pd512(_mm_loadu_pd(from + 6 * first + 4));
     x = _mm512_insertf64x2(x, _mm_loadu_pd(from + 6 * (first + 2) + 4), 1);
     x = _mm512_insertf64x2(x, _mm_loadu_pd(from + 6 * (first + 4) + 4), 2);
@@ -307,7 +309,7 @@ inline void load_records(const double* from, Lanes (&to)[6]) {
 #elif defined(__AVX2__) && defined(__FMA__)
   const __m256d a = _mm256_loadu_pd(from), b = _mm256_loadu_pd(from + 6);
   const __m256d c = _mm256_loadu_pd(from + 12), d = _mm256_loadu_pd(from + 18);
-  const auto two = [&](int first) {
+  const auto two = [&](std::size_t first) {
     return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(from + 6 * first + 4)),
                                 _mm_loadu_pd(from + 6 * (first + 2) + 4), 1);
   };
@@ -321,8 +323,8 @@ inline void load_records(const double* from, Lanes (&to)[6]) {
   to[4] = _mm256_unpacklo_pd(e, f);
   to[5] = _mm256_unpackhi_pd(e, f);
 #else
-  for (int i = 0; i < 6; ++i) {
-    for (int k = 0; k < kLanes; ++k) to[i][k] = from[6 * k + i];
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t k = 0; k < kLanes; ++k) to[i][k] = from[6 * k + i];
   }
 #endif
 }

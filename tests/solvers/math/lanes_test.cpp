@@ -84,7 +84,6 @@ TEST(Lanes, MasksSelectByLaneAndBecomeBits) {
 
 TEST(Lanes, FloatsAreTheScalarOnesInEveryLane) {
   const std::vector<double> x = numbers();
-  constexpr std::size_t kFloats = 2 * kLanes;
   for (std::size_t i = 0; i + 2 * kFloats <= x.size(); i += kFloats) {
     const Floats a = narrow(load(&x[i]), load(&x[i + kLanes]));
     const Floats b = narrow(load(&x[i + kFloats]), load(&x[i + kFloats + kLanes]));
@@ -103,7 +102,6 @@ TEST(Lanes, FloatsAreTheScalarOnesInEveryLane) {
 }
 
 TEST(Lanes, SelectedFloatsAndNumbersAreWrittenInOrder) {
-  constexpr std::size_t kFloats = 2 * kLanes;
   Rng rng(7);
   for (int repeat = 0; repeat < 1000; ++repeat) {
     const auto bits = static_cast<unsigned>(rng.next() & ((1U << kFloats) - 1));
