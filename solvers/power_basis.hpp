@@ -222,24 +222,34 @@ void bring_back(const BasicPolynomialEquation<T>& equation, double first, Roots&
   }
 }
 
+/// A leading coefficient that the roundings of the b alone could have made is noise: on [lo, hi] it counts
+/// for nothing, but it would put a root of the polynomial far away, and a method's start values with it.
+template <class ToPower>
+void drop_noise(const std::vector<double>& b, const ToPower& to_power, std::vector<double>& c,
+                std::vector<double>& c_error) {
+  constexpr double kSuspect = 0x1p-30;
+  const auto size = [](double x) { return std::fabs(x); };
+  const double largest = size(*std::ranges::max_element(c, {}, size));
+  if (!(size(c.back()) < kSuspect * largest)) return;
+  std::vector<double> rounding(b.size()), again(b.size()), noise(b.size());
+  std::ranges::transform(b, rounding.begin(), [](double x) { return kU<double> * std::fabs(x); });
+  to_power(b, rounding, again, noise);
+  while (c.size() > 1 && size(c.back()) <= noise[c.size() - 1]) {
+    c.pop_back();
+    c_error.pop_back();
+  }
+}
+
 /// A basis that belongs to [lo, hi]: the power basis in s, changed in double by `to_power`, then back.
 template <class T, class Method, class ToPower>
 void solve_changed(const BasicPolynomialEquation<T>& equation, double first, const ToPower& to_power,
                    Roots& roots, const Method& method) {
   const std::vector<double> b(equation.c.begin(), equation.c.end());
-  std::vector<double> b_error(equation.c_error.begin(), equation.c_error.end());
-  // Where nothing is said of errors, the coefficients are taken for rounded ones.
-  for (std::size_t i = 0; b_error.size() < b.size(); ++i)
-    b_error.push_back(std::fabs(b[i]) * static_cast<double>(kU<T>));
+  const std::vector<double> b_error(equation.c_error.begin(), equation.c_error.end());
   std::vector<double> c(b.size());
   std::vector<double> c_error(b.size());
   to_power(b, b_error, c, c_error);
-  // A leading coefficient within its error is noise of the change: on [lo, hi] it counts for nothing, but it
-  // would put a root of the polynomial far away, and a method's start values with it.
-  while (c.size() > 1 && std::fabs(c.back()) <= c_error.back()) {
-    c.pop_back();
-    c_error.pop_back();
-  }
+  drop_noise(b, to_power, c, c_error);
   const auto rounded = [](const std::vector<double>& from) {
     std::vector<T> to;
     for (const double v : from) to.push_back(static_cast<T>(v));
