@@ -920,15 +920,10 @@ void run(const BezierBatch& batch, const BezierAnswers& answers) {
     const std::size_t size = batch.count - begin < kBlock ? batch.count - begin : kBlock;
     Lines& lines = block.lines;
     lines.size = 0;
-    const double* const rays = &batch.rays[begin].o.x;
-    std::size_t i = 0;
-    for (; i + kLanes <= size; i += kLanes)
-      cull(batch, bottom, top, rays + 6 * i, i, kLanes, block, answers.hits + begin + i);
-    if (i < size) {
-      double last[6 * kLanes] = {};
-      __builtin_memcpy(last, rays + 6 * i, 6 * sizeof(double) * (size - i));
-      cull(batch, bottom, top, last, i, size - i, block, answers.hits + begin + i);
-    }
+    for_groups<kLanes>(&batch.rays[begin].o.x, size,
+                       [&](const double* rays, std::size_t at, std::size_t count) {
+                         cull(batch, bottom, top, rays, at, count, block, answers.hits + begin + at);
+                       });
     // The lanes behind the last line compute too, on zeros.
     __builtin_memset(lines.record[lines.size], 0, kLanes * sizeof lines.record[0]);
     for (std::size_t k = 0; k < lines.size; k += kLanes) classify(batch, lines, k);

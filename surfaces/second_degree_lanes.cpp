@@ -2,7 +2,7 @@
 // each instruction set; derivation and error analysis: surfaces/quadric.md and surfaces/sphere.md, "Kernel".
 #include <graze/surfaces/second_degree_lanes.hpp>
 
-#include <graze/solvers/math/lanes.hpp>
+#include <graze/solvers/math/lanes_double_double.hpp>
 
 namespace graze::GRAZE_LANES {
 namespace {
@@ -275,28 +275,7 @@ template <bool kBoth>
   return __builtin_convertvector(hits, Bytes);
 }
 
-/// Double-doubles; every operation is within 8 u^2 of the sum of its terms' sizes.
-struct Wide {
-  Lanes hi, lo;
-};
-
-Wide two_sum(Lanes a, Lanes b) {
-  const Lanes sum = a + b, moved = sum - a;
-  return {sum, (a - (sum - moved)) + (b - moved)};
-}
-Wide two_product(Lanes a, Lanes b) {
-  const Lanes product = a * b;
-  return {product, fma(a, b, -product)};
-}
-Wide operator+(const Wide& a, const Wide& b) {
-  const Wide sum = two_sum(a.hi, b.hi);
-  return two_sum(sum.hi, sum.lo + (a.lo + b.lo));
-}
-Wide operator-(const Wide& a) { return {-a.hi, -a.lo}; }
-Wide operator*(const Wide& a, const Wide& b) {
-  const Wide product = two_product(a.hi, b.hi);
-  return two_sum(product.hi, fma(a.hi, b.lo, fma(a.lo, b.hi, product.lo)));
-}
+// Every operation on double-doubles is within 8 u^2 of the sum of its terms' sizes (lanes_double_double.hpp).
 
 struct WideVector {
   Wide x, y, z;
@@ -331,7 +310,7 @@ Vector heads(const WideVector& a) { return {a.x.hi, a.y.hi, a.z.hi}; }
 /// m + rest + l d, within u^2 (3 |x_i| + 4 |m_i|) a coordinate.
 WideVector wide_point_at(const Rays& rays, Lanes l) {
   const auto coordinate = [&](Lanes m, Lanes rest, Lanes d) {
-    const Wide moved = two_product(l, d), sum = two_sum(moved.hi, m);
+    const Wide moved = two_prod(l, d), sum = two_sum(moved.hi, m);
     return two_sum(sum.hi, sum.lo + (moved.lo + rest));
   };
   return {coordinate(rays.m.x, rays.rest.x, rays.d.x), coordinate(rays.m.y, rays.rest.y, rays.d.y),

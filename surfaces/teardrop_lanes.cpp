@@ -269,19 +269,25 @@ Line<Floats> floats_at(const Queue& queue, std::size_t i) {
           load(&queue.q[0][i]), load(&queue.q[1][i]), load(&queue.q[2][i])};
 }
 
-/// A majorant step: it proves most of the misses that are left (kInfinity), and never passes the entry.
+/// A line against the majorant that is tangent at the height of one of its points.
 template <class V>
-[[gnu::always_inline]] inline V step_by_majorant(const Frame& frame, const Line<V>& line, V delta) {
+[[gnu::always_inline]] inline Quadratic<V> against_local(const Frame& frame, const Line<V>& line, V delta) {
   using S = Scalar<V>;
   constexpr S kEdge = S(0x1p-20);
   const V height = fma(delta, line.dy, line.py) * static_cast<S>(frame.per_height);
-  const Quadratic<V> q = against(frame, line, majorant_at(min(max(height, all(kEdge)), all(1 - kEdge))));
+  return against(frame, line, majorant_at(min(max(height, all(kEdge)), all(1 - kEdge))));
+}
+
+/// A majorant step: it proves most of the misses that are left (kInfinity), and never passes the entry.
+template <class V>
+[[gnu::always_inline]] inline V step_by_majorant(const Frame& frame, const Line<V>& line, V delta) {
+  const Quadratic<V> q = against_local(frame, line, delta);
   const V root = sqrt(max(q.discriminant, V{}));
   const auto cancels = q.b > 0;
   // Of -b + root and -b - root the one without cancellation; the other root of the two by their product.
   const V sum = select(cancels, -(q.b + root), root - q.b);
   const V next = select(cancels, q.c, sum) / select(cancels, sum, q.a);
-  return select((q.discriminant < -q.error) & (q.a < 0), all(static_cast<S>(kInfinity)), next);
+  return select((q.discriminant < -q.error) & (q.a < 0), all(static_cast<Scalar<V>>(kInfinity)), next);
 }
 
 /// Euler's step: the root of the local parabola, which bends the right way near a double root. A proved miss
@@ -311,9 +317,8 @@ void guess(const Frame& frame, Queue& queue) {
 
 /// Whether a line is inside the majorant at the entry's height only below the bottom or above the apex.
 Mask passes_beside(const Frame& frame, const Line<Lanes>& line, Lanes delta) {
-  constexpr double kEdge = 0x1p-20, kMargin = 0x1p-40;  // far more than the roundings of 40 operations
-  const Lanes height = fma(delta, line.dy, line.py) * frame.per_height;
-  const Quadratic<Lanes> q = against(frame, line, majorant_at(min(max(height, all(kEdge)), all(1 - kEdge))));
+  constexpr double kMargin = 0x1p-40;  // far more than the roundings of 40 operations
+  const Quadratic<Lanes> q = against_local(frame, line, delta);
   const Lanes root = sqrt(max(q.discriminant, Lanes{}) + q.error) + kMargin * q.size;
   const Lanes in = (root - q.b) / q.a * line.dy, out = -(q.b + root) / q.a * line.dy;
   const Lanes margin = kMargin * (abs(line.py) + abs(in) + abs(out));
@@ -443,19 +448,13 @@ std::size_t conclude(bool wants_both, std::size_t size, Block& block, const Tear
 /// At most kBlock rays; returns how many it leaves open.
 std::size_t solve_block(const Frame& frame, const TeardropBatch& batch, bool is_hard, Block& block,
                         const TeardropAnswers& to) {
-  constexpr std::size_t kStep = kFloats;
   // The tangent ellipsoid at v = 0.42, where the body is widest but for 1 %: the fewest lines are left.
   const Majorant<Floats> ellipsoid = majorant_at(all(0.42F));
   block.entries.size = block.exits.size = 0;
-  const double* const rays = &batch.rays->o.x;
-  std::size_t i = 0;
-  for (; i + kStep <= batch.count; i += kStep)
-    cull(frame, batch, ellipsoid, rays + 6 * i, i, kStep, is_hard, block);
-  if (i < batch.count) {
-    double last[6 * kStep] = {};
-    __builtin_memcpy(last, rays + 6 * i, 6 * sizeof(double) * (batch.count - i));
-    cull(frame, batch, ellipsoid, last, i, batch.count - i, is_hard, block);
-  }
+  for_groups<kFloats>(&batch.rays->o.x, batch.count,
+                      [&](const double* rays, std::size_t at, std::size_t count) {
+                        cull(frame, batch, ellipsoid, rays, at, count, is_hard, block);
+                      });
   find(frame, is_hard, block.entries);
   find(frame, is_hard, block.exits);
   return conclude(batch.both, batch.count, block, to);

@@ -681,15 +681,10 @@ void intersect_torus(const TorusBatch& batch, const TorusAnswers& answers) {
     const std::size_t size = batch.count - begin < kBlock ? batch.count - begin : kBlock;
     block.entries.size = block.exits.size = block.pairs.size = 0;
     __builtin_memset(answers.hits + begin, kOpen, size);
-    const double* const rays = &batch.rays[begin].o.x;
-    std::size_t i = 0;
-    for (; i + kLanes <= size; i += kLanes)
-      cull(frame, batch, unit, rays + 6 * i, i, kLanes, block, answers.hits + begin + i);
-    if (i < size) {
-      double last[6 * kLanes] = {};
-      __builtin_memcpy(last, rays + 6 * i, 6 * sizeof(double) * (size - i));
-      cull(frame, batch, unit, last, i, size - i, block, answers.hits + begin + i);
-    }
+    for_groups<kLanes>(&batch.rays[begin].o.x, size,
+                       [&](const double* rays, std::size_t at, std::size_t count) {
+                         cull(frame, batch, unit, rays, at, count, block, answers.hits + begin + at);
+                       });
     find(frame, block.entries, block, block.in);
     find(frame, block.exits, block, block.out);
     conclude_ends(batch, block, pairs, begin, answers);

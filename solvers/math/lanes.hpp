@@ -329,4 +329,16 @@ inline void load_records(const double* from, Lanes (&to)[6]) {
 #endif
 }
 
+/// Calls take(from, at, count) for kGroup records of six doubles at a time, from record `at` on; the last
+/// ones, where they are fewer, come padded with zeros.
+template <std::size_t kGroup, class Take>
+inline void for_groups(const double* records, std::size_t size, const Take& take) {
+  std::size_t at = 0;
+  for (; at + kGroup <= size; at += kGroup) take(records + 6 * at, at, kGroup);
+  if (at == size) return;
+  double last[6 * kGroup] = {};
+  __builtin_memcpy(last, records + 6 * at, 6 * sizeof(double) * (size - at));
+  take(last, at, size - at);
+}
+
 }  // namespace graze::GRAZE_LANES
