@@ -149,17 +149,7 @@ inline DoubleDoubleBall nearest_ball(const Dyadic& x) {
 template <class InFloat, class Exact>
 void pose_in_basis(EquationBlock& block, Basis basis, std::span<const DoubleDoubleBall> c, double lo,
                    double hi, const InFloat& in_float, const Exact& exact) {
-  const auto rounded = [&](auto number) {
-    using T = decltype(number);
-    const std::span<T> values = block.arena().array<T>(c.size());
-    if constexpr (std::is_same_v<T, float>) {
-      const auto plain = in_float();
-      std::copy_n(plain.begin(), values.size(), values.begin());
-    } else {
-      std::transform(c.begin(), c.end(), values.begin(), [](const auto& x) { return rounded_to<T>(x); });
-    }
-    return values;
-  };
+  const auto rounded = [&](auto number) { return rounded_balls<decltype(number)>(block, c, in_float); };
   with_coefficients(block, rounded, [&](auto values) {
     detail::pose_stored(
         block, 0, basis, lo, hi, sharp_epsilons(block.arena(), 1, 0),

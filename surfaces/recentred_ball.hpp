@@ -29,22 +29,27 @@ inline DoubleDoubleBall nearest_ball(const Expansion& x) {
   return {value, 0x1p-105 * std::fabs(value.hi)};
 }
 
+/// Coefficients in the arithmetic of T, in the block's arena: the balls rounded, or in float as in_float()
+/// says.
+template <class T, class InFloat>
+std::span<T> rounded_balls(EquationBlock& block, std::span<const DoubleDoubleBall> c,
+                           const InFloat& in_float) {
+  const std::span<T> values = block.arena().array<T>(c.size());
+  if constexpr (std::is_same_v<T, float>) {
+    const auto plain = in_float();
+    std::copy_n(plain.begin(), values.size(), values.begin());
+  } else {
+    std::transform(c.begin(), c.end(), values.begin(), [](const auto& x) { return rounded_to<T>(x); });
+  }
+  return values;
+}
+
 /// Poses sum c[i] delta^i = 0 on [lo, hi] in the block's form and arithmetic. `in_float()` gives the
 /// coefficients of binary32, formed in it: at least as many; `exact(c)` fills in the exact ones.
 template <class InFloat, class Exact>
 void pose_balls(EquationBlock& block, std::span<const DoubleDoubleBall> c, double lo, double hi, double scale,
                 std::uint64_t seed, const InFloat& in_float, const Exact& exact) {
-  const auto rounded = [&](auto number) {
-    using T = decltype(number);
-    const std::span<T> values = block.arena().array<T>(c.size());
-    if constexpr (std::is_same_v<T, float>) {
-      const auto plain = in_float();
-      std::copy_n(plain.begin(), values.size(), values.begin());
-    } else {
-      std::transform(c.begin(), c.end(), values.begin(), [](const auto& x) { return rounded_to<T>(x); });
-    }
-    return values;
-  };
+  const auto rounded = [&](auto number) { return rounded_balls<decltype(number)>(block, c, in_float); };
   if (block.form() != Form::interval) {
     const bool wanted = block.wants_coefficient_errors();
     return pose_in_delta(block, 0, lo, hi, seed, static_cast<int>(c.size()) - 1, rounded,
