@@ -3,9 +3,8 @@
 //
 // solves    nothing by itself: `solve` hands a Problem to a method and files what the method finds
 // needs     an equation in any basis; a Bernstein one is changed to the power basis on [0, 1], a Chebyshev
-// one
-//           (of degree up to kMaxChebyshevDegree) to that on [-1, 1], with the rounding of the change added
-//           to c_error
+//           one (of degree up to kMaxChebyshevDegree) to that on [-1, 1], with the rounding of the change
+//           added to c_error
 // returns   invalid for coefficients that are not finite; coincident for the zero polynomial; roots at zero
 //           that the zero end stands for; everything else is the method's
 // error     of a root: what `Problem::tolerance` says (a relative change of every coefficient by
