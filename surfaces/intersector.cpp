@@ -40,36 +40,6 @@ const KernelEntry* kernel_for(const SolverEntry& solver, const SurfaceEntry& sur
   return nullptr;
 }
 
-/// Answers of a kernel that left no ray open, as those of surface 0. Rays are many and cheap here: whole
-/// arrays are copied, and no branch depends on a ray where it has at most one hit.
-void append_answers(const KernelAnswers& answers, const KernelAnswers::Extremes& extremes,
-                    std::span<const Counters> first_tier, HitBuffer& out) {
-  const std::size_t rays = answers.hits.size(), ray = out.rays(), hit = out.l.size();
-  const std::size_t most = static_cast<std::uint8_t>(extremes.most);  // no ray is open: not negative
-  out.grow(rays * most);
-  double* next = out.l.data() + hit;
-  if (most == 1) {
-    for (std::size_t i = 0; i < rays; ++i) {
-      *next = answers.l[0][i];
-      next += answers.hits[i];
-    }
-  } else {
-    for (std::size_t i = 0; i < rays; ++i) {
-      for (int k = 0; k < answers.hits[i]; ++k) *next++ = answers.l[static_cast<std::size_t>(k)][i];
-    }
-  }
-  out.close_rays(answers.hits, first_tier);
-  if (extremes.tier > 1) {
-    for (std::size_t i = 0; i < rays; ++i) out.counters[ray + i].tier = answers.tier[i];
-  }
-  if (extremes.touches) {
-    for (std::size_t i = 0; i < rays; ++i) {
-      for (std::size_t k = out.begin(ray + i); k < out.end(ray + i); ++k)
-        out.multiplicity[k] = answers.multiplicity(i, static_cast<int>(k - out.begin(ray + i)));
-    }
-  }
-}
-
 std::size_t find_formulation(const SurfaceEntry& surface, std::string_view name) {
   std::vector<std::string_view> known;
   for (std::size_t i = 0; i < surface.formulations.size(); ++i) {

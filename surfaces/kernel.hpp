@@ -11,7 +11,6 @@
 // The formulation's unknown is l, so that a hit's place on the surface can be lifted from it.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -22,6 +21,7 @@
 #include <string_view>
 #include <vector>
 
+#include <graze/surfaces/hit.hpp>
 #include <graze/surfaces/ray.hpp>
 #include <graze/surfaces/spec.hpp>
 
@@ -46,16 +46,7 @@ struct KernelAnswers {
     std::uint8_t tier = 1;             ///< the highest
     bool touches = false;
   };
-  [[nodiscard]] Extremes extremes() const {
-    Extremes all;
-    std::uint8_t touches = 0;
-    for (const std::int8_t count : hits) all.fewest = std::min(all.fewest, count);
-    for (const std::int8_t count : hits) all.most = std::max(all.most, count);
-    for (const std::uint8_t one : tier) all.tier = std::max(all.tier, one);
-    for (const std::uint8_t one : touching) touches |= one;
-    all.touches = touches != 0;
-    return all;
-  }
+  [[nodiscard]] Extremes extremes() const;
   void resize(std::size_t count) {
     hits.resize(count);
     touching.assign(count, 0);
@@ -63,6 +54,11 @@ struct KernelAnswers {
     for (std::vector<double>& one : l) one.resize(count);
   }
 };
+
+/// Appends answers that leave no ray open, as those of surface 0. `first_tier`: as many counters as rays, or
+/// more, of rays that the first tier answered.
+void append_answers(const KernelAnswers& answers, const KernelAnswers::Extremes& extremes,
+                    std::span<const Counters> first_tier, HitBuffer& out);
 
 /// Hits of one ray on their way into the answers, for tiers that take a ray at a time; a ray that is not
 /// closed stays as it was.

@@ -33,18 +33,26 @@ inline constexpr int kMaxExactBinomial = 56;
 
 namespace detail {
 
-/// Pascal's triangle up to row 64, as exact integers.
-struct PascalTriangle {
-  std::array<std::uint64_t, kMaxBernsteinSize*(kMaxBernsteinSize + 1) / 2> entries{};
-
-  static constexpr std::size_t row(std::size_t n) { return n * (n + 1) / 2; }
+/// Pascal's triangle up to row 64, as exact integers: the left half of each row, which is symmetrical.
+class PascalTriangle {
+ public:
   constexpr PascalTriangle() {
     for (std::size_t n = 0; n < kMaxBernsteinSize; ++n) {
-      entries[row(n)] = entries[row(n) + n] = 1;
-      for (std::size_t k = 1; k < n; ++k)
-        entries[row(n) + k] = entries[row(n - 1) + k - 1] + entries[row(n - 1) + k];
+      entries_[row(n)] = 1;
+      for (std::size_t k = 1; k <= n / 2; ++k)
+        entries_[row(n) + k] = (*this)(n - 1, k - 1) + (*this)(n - 1, k);
     }
   }
+  /// C(n, k) for k <= n <= 64.
+  constexpr std::uint64_t operator()(std::size_t n, std::size_t k) const {
+    return entries_[row(n) + std::min(k, n - k)];
+  }
+
+ private:
+  /// Rows 0 to n - 1 have floor(i/2) + 1 entries each.
+  static constexpr std::size_t row(std::size_t n) { return (n + 1) * (n + 1) / 4; }
+
+  std::array<std::uint64_t, (kMaxBernsteinSize + 1) * (kMaxBernsteinSize + 1) / 4> entries_{};
 };
 inline constexpr PascalTriangle kPascal{};
 
@@ -150,16 +158,14 @@ inline constexpr Evaluation kUnknown{0, kInfinity};
 
 /// C(n, k) for 0 <= k <= n <= 64: exact up to n = 56, then rounded once.
 constexpr double binomial(int n, int k) {
-  return static_cast<double>(
-      detail::kPascal
-          .entries[detail::PascalTriangle::row(static_cast<std::size_t>(n)) + static_cast<std::size_t>(k)]);
+  return static_cast<double>(detail::kPascal(static_cast<std::size_t>(n), static_cast<std::size_t>(k)));
 }
 
 namespace detail {
 
 /// C(n, k) with the error of its rounding.
 inline Ball binomial_ball(std::size_t n, std::size_t k) {
-  const std::uint64_t exact = kPascal.entries[PascalTriangle::row(n) + k];
+  const std::uint64_t exact = kPascal(n, k);
   const double value = static_cast<double>(exact);
   return {value, n <= static_cast<std::size_t>(kMaxExactBinomial) ? 0 : value * kUnitRoundoff};
 }

@@ -53,9 +53,7 @@ namespace detail {
 
 /// C(n,j) times Bernstein coefficient j of T_k in degree n: sum_i (-1)^(k-i) C(2k,2i) C(n-k,j-i).
 constexpr std::int64_t chebyshev_in_bernstein(std::size_t n, std::size_t j, std::size_t k) {
-  const auto choose = [](std::size_t a, std::size_t b) {
-    return static_cast<std::int64_t>(kPascal.entries[PascalTriangle::row(a) + b]);
-  };
+  const auto choose = [](std::size_t a, std::size_t b) { return static_cast<std::int64_t>(kPascal(a, b)); };
   std::int64_t sum = 0;
   for (std::size_t i = j + k > n ? j + k - n : 0; i <= std::min(j, k); ++i) {
     const std::int64_t term = choose(2 * k, 2 * i) * choose(n - k, j - i);
@@ -97,7 +95,7 @@ inline double chebyshev_power_weight(std::size_t i, std::size_t k) {
   if (i > k || (k - i) % 2 != 0) return 0;
   if (k == 0) return 1;
   const std::size_t m = (k - i) / 2;
-  const auto ways = static_cast<double>(detail::kPascal.entries[detail::PascalTriangle::row(k - m) + m]);
+  const auto ways = static_cast<double>(detail::kPascal(k - m, m));
   const double size =
       std::ldexp(static_cast<double>(k) * ways / static_cast<double>(k - m), static_cast<int>(i) - 1);
   return m % 2 == 0 ? size : -size;
