@@ -11,9 +11,10 @@
 // cost      a piece: n^2 / 2 steps for its control points, at most (n + 1)^2 / 4 divisions for its hull;
 //           4 to 6 pieces a well separated root, one a halving or so towards a touching one; no
 //           allocation up to degree 32
-// source    Sederberg, Nishita, "Curve intersection using Bezier clipping", CAD 22(9) (1990), sections 2
-//           and 3. Changed: control points are formed anew on each piece instead of by subdivision, so
-//           that their errors do not add up; the hull is of points widened by those errors
+// source    Sederberg, Nishita, "Curve intersection using Bezier clipping", CAD 22(9) (1990): clipping by
+//           the convex hull, and splitting of what shrinks by less than 20 %. Changed:
+//           control points are formed anew on each piece instead of by subdivision, so that their errors do
+//           not add up; the hull is of points widened by those errors
 #pragma once
 
 #include <cstdint>

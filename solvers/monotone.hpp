@@ -13,9 +13,9 @@
 // cost      Horner's rule and one division a step, 3 to 6 steps for each real root of each derivative in
 //           the interval, 2 evaluations a piece; no allocation up to degree 32
 // source    Yuksel, "High-performance polynomial root finding for graphics", Proc. ACM Comput. Graph.
-//           Interact. Tech. 5(3) (HPG 2022), sections 3 and 4. Changed: steps end at rounding instead of
-//           a fixed width (tolerance gives his back), critical points end at u^(1/3) |x|, tangent roots
-//           are reported
+//           Interact. Tech. 5(3) (HPG 2022): the derivatives' roots bound monotone pieces, Newton's method
+//           with bisection in each. Changed: steps end at rounding instead of a fixed width
+//           (tolerance gives his back), critical points end at u^(1/3) |x|, tangent roots are reported
 #pragma once
 
 #include <graze/solvers/power_basis.hpp>
