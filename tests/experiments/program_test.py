@@ -704,10 +704,24 @@ class Bench(ProgramTest):
         self.assertGreater(slices["evaluations_apart"], 1)
         self.assertIsNone(certified)
 
+    def test_a_ladders_tiers_are_counted_and_timed(self):
+        certified, companion = answers(self.done("bench", "--surface", "sphere:radius=1", "--case", "graze", "--solver",
+                                                 "certified,companion", *self.QUICK, "--json"))
+        self.assertEqual(companion["tiers"], [])
+        tiers = [one["tier"] for one in certified["tiers"]]
+        self.assertGreaterEqual(len(tiers), 2)
+        self.assertEqual(tiers, sorted(set(tiers)))
+        self.assertEqual(sum(one["rays"] for one in certified["tiers"]), 100)
+        for one in certified["tiers"]:
+            self.assertGreater(one["ns_per_ray"]["min"], 0)
+
     def test_a_table_for_people(self):
         text = self.done("bench", *TEARDROP, "--solver", "companion", *self.QUICK).stdout
         for word in ("camera", "companion", "median ns", "solver operations", "wrong"):
             self.assertIn(word, text)
+        self.assertNotIn("tier", text)
+        text = self.done("bench", *TEARDROP, "--solver", "certified", *self.QUICK).stdout
+        self.assertRegex(text, r"tier 1: [0-9.]+ %, [0-9.]+ ns")
 
     def test_any_is_judged_by_presence(self):
         line = answers(self.done("bench", *TEARDROP, "--query", "any", "--solver", "certified", *self.QUICK, "--json"))[0]
