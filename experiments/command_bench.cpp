@@ -28,6 +28,8 @@ struct BenchOptions {
   std::size_t rays = 8192;
   std::size_t judged = 1000;
   double match_radius = Measure{}.match_radius;
+  std::optional<double> misses;
+  int threads = 1;
   int repeats = 15;
   double budget_ms = 200;
   std::uint64_t seed = 1;
@@ -38,8 +40,8 @@ struct BenchOptions {
 constexpr std::size_t kCountedRays = 1000;
 
 /// The family's rays; those of the family `scale` at scale 1, since one surface is timed.
-std::vector<Ray> bench_rays(const CaseFamily& family, const AnySurface& surface,
-                            const BenchOptions& options) {
+std::vector<Ray> family_rays(const CaseFamily& family, const AnySurface& surface,
+                             const BenchOptions& options) {
   std::vector<Ray> rays;
   for (std::size_t block = 0; rays.size() < options.rays; ++block) {
     const std::size_t count = std::min(kCaseBlock, options.rays - rays.size());
@@ -47,6 +49,44 @@ std::vector<Ray> bench_rays(const CaseFamily& family, const AnySurface& surface,
       rays.push_back(ray.ray);
   }
   return rays;
+}
+
+/// Rays from the same origins past the centre `width` times as far from it: a wider lens.
+std::vector<Ray> spread_about(Vec3 centre, std::span<const Ray> rays, double width) {
+  std::vector<Ray> wide;
+  for (const Ray& ray : rays) {
+    const double foot = dot(centre - ray.o, ray.d) / dot(ray.d, ray.d);
+    const Vec3 target = ray.o + foot * ray.d;
+    wide.push_back({ray.o, normalized(centre + width * (target - centre) - ray.o)});
+  }
+  return wide;
+}
+
+double share_of_misses(const Scene& scene, std::span<const Ray> rays) {
+  Scene::Workspace work;
+  HitBuffer hits;
+  scene.intersect(rays, Query::any, {}, work, hits);
+  return 1 - static_cast<double>(hits.l.size()) / static_cast<double>(rays.size());
+}
+
+/// The family's rays, spread until the wanted share of them misses, as the default solver says.
+std::vector<Ray> rays_with_misses(const CaseFamily& family, const AnySurface& surface,
+                                  const SurfaceSpec& spec, const BenchOptions& options) {
+  SceneMember member;
+  member.surface = spec;
+  const Scene scene = build_scene({&member, 1}, parse_solver(std::string(kDefaultSolver)), Query::any);
+  const std::vector<Ray> rays = family_rays(family, surface, options);
+  const Vec3 centre = surface.landmarks().centre;
+  const auto misses = [&](double width) { return share_of_misses(scene, spread_about(centre, rays, width)); };
+  double low = 1, high = 64;  // the share grows with the width, but for accidents of the draw
+  if (misses(low) > *options.misses || misses(high) < *options.misses)
+    throw UsageError(fmt::format("--misses: no width of case '{}' has this share of misses", family.name));
+  constexpr int kHalvings = 20;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (misses(middle) < *options.misses ? low : high) = middle;
+  }
+  return spread_about(centre, rays, high);
 }
 
 /// Answers on the first rays, against truth: all hits, the first one, or (any) only whether there is one.
@@ -220,6 +260,7 @@ void print(const BenchOptions& options, const CaseFamily& family, const std::vec
           {"precision", options.precision},
           {"query", options.query},
           {"rays", line.rays},
+          {"threads", options.threads},
           {"ns_per_ray", {{"min", line.ns.min}, {"median", line.ns.median}, {"p90", line.ns.p90}}},
           {"tiers", tiers_json(line)},
           {"solver_operations", operations_json(line.operations)},
@@ -251,7 +292,8 @@ void bench_family(const BenchOptions& options, const SurfaceSpec& spec, std::spa
     throw UsageError(fmt::format("case '{}' makes no sense for {}", family.name, options.surface));
   }
   const Query query = parse_query(options.query);
-  const std::vector<Ray> rays = bench_rays(family, *surface, options);
+  const std::vector<Ray> rays = options.misses ? rays_with_misses(family, *surface, spec, options)
+                                               : family_rays(family, *surface, options);
   const auto truths = first_truths(spec, std::span(rays).first(std::min(options.judged, rays.size())), query);
 
   std::vector<Scene> scenes;
@@ -276,7 +318,7 @@ void bench_family(const BenchOptions& options, const SurfaceSpec& spec, std::spa
   std::vector<Contestant> contestants;
   for (const Scene& scene : scenes) contestants.push_back({{{&scene, rays}}, query});
   std::vector<std::vector<double>> samples(scenes.size());
-  const TimingOptions timing{options.repeats, 1e-3 * options.budget_ms, options.seed};
+  const TimingOptions timing{options.repeats, 1e-3 * options.budget_ms, options.seed, options.threads};
   time_contestants(contestants, timing, [&](const TimingSample& sample) {
     samples[sample.contestant].push_back(sample.ns_per_ray);
     lines[sample.contestant].rays = sample.rays;
@@ -308,8 +350,10 @@ std::vector<SolverSpec> solvers_to_bench(const BenchOptions& options, const Surf
 void bench(const BenchOptions& options) {
   const SurfaceSpec spec = parse_surface(options.surface);
   const std::vector<SolverSpec> solvers = solvers_to_bench(options, spec);
-  const PinnedCore pinned;
-  if (!pinned.warning().empty()) fmt::print(stderr, "graze bench: warning: {}\n", pinned.warning());
+  std::optional<PinnedCore> pinned;
+  if (options.threads == 1) pinned.emplace();
+  if (pinned && !pinned->warning().empty())
+    fmt::print(stderr, "graze bench: warning: {}\n", pinned->warning());
   Output output;
   for (const std::string& name : options.cases) {
     const CaseFamily* family = nullptr;
@@ -354,6 +398,14 @@ Action add_bench_command(CLI::App& app) {
       ->add_option("--match-radius", options->match_radius,
                    "how near a claimed hit is to be, relative to |l| + L/|d| (default 1e-6)")
       ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--misses", options->misses,
+                   "spread the rays about the surface until this share misses (default: as the family is)")
+      ->check(CLI::Range(0.0, 1.0));
+  command
+      ->add_option("--threads", options->threads,
+                   "threads that share the rays of a turn (default 1, pinned); for many rays")
+      ->check(CLI::Range(1, 1024));
   command->add_option("--repeats", options->repeats, "counted turns of each solver (default 15)")
       ->check(CLI::Range(1, 100000));
   command->add_option("--budget-ms", options->budget_ms, "time after which a turn stops (default 200)")

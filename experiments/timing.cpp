@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <numeric>
+#include <thread>
 
 namespace graze {
 namespace {
@@ -18,23 +19,64 @@ constexpr std::size_t kStep = 32;
 /// The same for fast solvers: as many rays as a renderer's tile.
 constexpr std::size_t kFastStep = 4096;
 
-TimingSample run_once(const Contestant& contestant, double budget, Scene::Workspace& work, HitBuffer& hits) {
-  TimingSample sample;
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// What a thread needs of its own.
+struct Memory {
+  Scene::Workspace work;
+  HitBuffer hits;
+};
+
+/// Answers the groups until the budget ends; returns the number of rays done.
+std::size_t answer(std::span<const TimedGroup> groups, Query query, double budget, Memory& memory) {
   const auto start = Clock::now();
   double seconds = 0;
-  for (const TimedGroup& group : contestant.groups) {
-    for (std::size_t i = 0; i < group.rays.size() && !sample.censored;) {
+  std::size_t done = 0;
+  for (const TimedGroup& group : groups) {
+    for (std::size_t i = 0; i < group.rays.size();) {
       // Fast solvers get large batches, as in real use; the first step tells which kind this one is.
-      const bool fast = sample.rays > 0 && seconds / static_cast<double>(sample.rays) < 1e-5;
+      const bool fast = done > 0 && seconds / static_cast<double>(done) < 1e-5;
       const std::size_t step = std::min(fast ? kFastStep : kStep, group.rays.size() - i);
-      hits.clear();
-      group.scene->intersect(group.rays.subspan(i, step), contestant.query, {}, work, hits);
+      memory.hits.clear();
+      group.scene->intersect(group.rays.subspan(i, step), query, {}, memory.work, memory.hits);
       i += step;
-      sample.rays += step;
-      seconds = std::chrono::duration<double>(Clock::now() - start).count();
-      sample.censored = seconds > budget;
+      done += step;
+      seconds = seconds_since(start);
+      if (seconds > budget) return done;
     }
   }
+  return done;
+}
+
+/// Part `part` of `parts` of every group.
+std::vector<TimedGroup> share(std::span<const TimedGroup> groups, std::size_t part, std::size_t parts) {
+  std::vector<TimedGroup> own;
+  for (const TimedGroup& group : groups) {
+    const std::size_t first = group.rays.size() * part / parts, end = group.rays.size() * (part + 1) / parts;
+    own.push_back({group.scene, group.rays.subspan(first, end - first)});
+  }
+  return own;
+}
+
+TimingSample run_once(const Contestant& contestant, double budget, std::span<Memory> memory) {
+  TimingSample sample;
+  const auto start = Clock::now();
+  if (memory.size() == 1) {
+    sample.rays = answer(contestant.groups, contestant.query, budget, memory.front());
+  } else {
+    std::vector<std::thread> threads;
+    std::vector<std::size_t> done(memory.size());
+    for (std::size_t i = 0; i < memory.size(); ++i) {
+      threads.emplace_back([&, i] {
+        done[i] = answer(share(contestant.groups, i, memory.size()), contestant.query, budget, memory[i]);
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+    sample.rays = std::accumulate(done.begin(), done.end(), std::size_t{0});
+  }
+  const double seconds = seconds_since(start);
   sample.ns_per_ray = 1e9 * seconds / static_cast<double>(std::max<std::size_t>(sample.rays, 1));
   std::size_t all = 0;
   for (const TimedGroup& group : contestant.groups) all += group.rays.size();
@@ -56,13 +98,14 @@ void time_contestants(std::span<const Contestant> contestants, const TimingOptio
     const std::size_t span = i - contestants.size();
     std::swap(order[i - 1], order[contestants.size() + rng.next() % span]);
   }
-  std::vector<Scene::Workspace> work(contestants.size());
-  HitBuffer hits;
+  const auto threads = static_cast<std::size_t>(std::max(1, options.threads));
+  std::vector<std::vector<Memory>> memory(contestants.size());
+  for (std::vector<Memory>& own : memory) own.resize(threads);
   for (std::size_t turn = 0; turn < order.size(); ++turn) {
     const auto [index, repeat] = order[turn];
     // A warm-up needs one block only: it fills memory pools and the branch predictors.
     const double budget = repeat < 0 ? 0.1 * options.budget_seconds : options.budget_seconds;
-    TimingSample sample = run_once(contestants[index], budget, work[index], hits);
+    TimingSample sample = run_once(contestants[index], budget, memory[index]);
     if (repeat < 0) continue;
     sample.contestant = index;
     sample.repeat = repeat;

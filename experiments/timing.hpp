@@ -27,6 +27,7 @@ struct TimingOptions {
   int repeats = 7;
   double budget_seconds = 0.25;  ///< a turn stops after this time; the rays done by then are what it timed
   std::uint64_t seed = 1;        ///< of the order
+  int threads = 1;               ///< that share the rays of a turn; starting one takes some 20 us
 };
 
 /// One turn of one contestant.
@@ -35,12 +36,13 @@ struct TimingSample {
   int repeat = 0;
   std::size_t turn = 0;
   std::size_t rays = 0;
-  double ns_per_ray = 0;
+  double ns_per_ray = 0;  ///< of the clock, however many threads share the rays
   bool censored = false;  ///< the budget ended before all rays were done
 };
 
-/// Runs every contestant `repeats` times in one shuffled order on the calling thread, after one warm-up turn
-/// each. `done` is called after each turn; it returns false to stop early.
+/// Runs every contestant `repeats` times in one shuffled order on the calling thread (or on `threads`, one
+/// contestant at a time), after one warm-up turn each. `done` is called after each turn; it returns false to
+/// stop early.
 void time_contestants(std::span<const Contestant> contestants, const TimingOptions& options,
                       const std::function<bool(const TimingSample&)>& done);
 

@@ -97,7 +97,8 @@ class Usage(ProgramTest):
                   "RAYS"],
         "truth": ["--scene", "--surface", "--query", "--keep-going", "--jobs", "--digits", "RAYS"],
         "roots": ["--solver", "--precision", "--keep-going", "POLYNOMIALS"],
-        "bench": ["--surface", "--case", "--solver", "--formulation", "--precision", "--query", "--rays", "--judge",
+        "bench": ["--surface", "--case", "--solver", "--formulation", "--precision", "--query", "--rays", "--misses",
+                  "--threads", "--judge",
                   "--match-radius", "--repeats", "--budget-ms", "--seed", "--json"],
         "sweep": ["CONFIG", "--out", "--jobs"],
         "report": ["DIR", "--out"],
@@ -714,6 +715,22 @@ class Bench(ProgramTest):
         self.assertEqual(sum(one["rays"] for one in certified["tiers"]), 100)
         for one in certified["tiers"]:
             self.assertGreater(one["ns_per_ray"]["min"], 0)
+
+    def test_rays_are_spread_until_a_share_misses(self):
+        def hits(*options):
+            line = answers(self.done("bench", *TEARDROP, "--rays", "2000", "--judge", "2000", "--repeats", "1", *options,
+                                     "--json"))[0]
+            self.assertEqual((line["wrong"], line["judged"]), (0, 2000))
+            return line["hits"]
+        self.assertGreater(hits(), 600)
+        self.assertAlmostEqual(hits("--misses", "0.9"), 200, delta=2)
+        self.refused(2, ("--misses", "camera"), "bench", *TEARDROP, "--misses", "0.01")
+        self.refused(2, ("--misses",), "bench", *TEARDROP, "--misses", "1.5")
+
+    def test_threads_share_the_rays(self):
+        line = answers(self.done("bench", *TEARDROP, "--threads", "3", *self.QUICK, "--json"))[0]
+        self.assertEqual((line["threads"], line["rays"], line["censored"]), (3, 100, False))
+        self.refused(2, ("--threads",), "bench", *TEARDROP, "--threads", "0")
 
     def test_a_table_for_people(self):
         text = self.done("bench", *TEARDROP, "--solver", "companion", *self.QUICK).stdout
