@@ -81,14 +81,19 @@ function(graze_surface stem)
   endif()
 endfunction()
 
-# graze_kernel(SURFACE SOLVER LANES sources [NEEDS sources]): the one list line of a surface's batch kernel for
-# a solver, in the build if both are: surfaces/SURFACE_SOLVER.{hpp,cpp} defines it, LANES is compiled once for
-# each instruction set (solvers/math/lanes.hpp), also where several kernels share it.
+# graze_kernel(SURFACE SOLVER [AFTER solver] LANES sources [NEEDS sources]): the one list line of a surface's
+# batch kernel for a solver, in the build if both are, and with AFTER if the surface's kernel for that solver is
+# in it, which this one builds on: surfaces/SURFACE_SOLVER.{hpp,cpp} defines it, LANES is compiled once for each
+# instruction set (solvers/math/lanes.hpp), also where several kernels share it.
 function(graze_kernel surface solver)
-  cmake_parse_arguments(ARG "" "" "LANES;NEEDS" ${ARGN})
+  cmake_parse_arguments(ARG "" "AFTER" "LANES;NEEDS" ${ARGN})
   get_property(solvers GLOBAL PROPERTY GRAZE_SOLVER_LIST)
   get_property(surfaces GLOBAL PROPERTY GRAZE_SURFACE_LIST)
+  get_property(kernels GLOBAL PROPERTY GRAZE_KERNELS_OF_${surface})
   if(NOT surface IN_LIST surfaces OR NOT solver IN_LIST solvers)
+    return()
+  endif()
+  if(ARG_AFTER AND NOT ${surface}_${ARG_AFTER} IN_LIST kernels)
     return()
   endif()
   set_property(GLOBAL APPEND PROPERTY GRAZE_KERNELS_OF_${surface} ${surface}_${solver})

@@ -283,19 +283,20 @@ inline void store_bytes(std::int8_t* to, Lanes x) {
 #endif
 }
 
-/// kLanes records of six doubles, one after another, as six vectors: to[i][k] = from[6 k + i].
-inline void load_records(const double* from, Lanes (&to)[6]) {
+/// kLanes records of six doubles, wherever they are, as six vectors: to[i][k] = record(k)[i].
+template <class Record>
+[[gnu::always_inline]] inline void load_records_at(const Record& record, Lanes (&to)[6]) {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
   // Records (0, 2), (1, 3), (4, 6), (5, 7): unpacked in pairs, the halves come out in order.
   const auto four = [&](std::size_t a, std::size_t b) {
-    return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(from + 6 * a)),
-                              _mm256_loadu_pd(from + 6 * b), 1);
+    return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(record(a))), _mm256_loadu_pd(record(b)),
+                              1);
   };
   const auto two = [&](std::size_t first) {
-    __m512d x = _mm512_castpd128_pd512(_mm_loadu_pd(from + 6 * first + 4));
-    x = _mm512_insertf64x2(x, _mm_loadu_pd(from + 6 * (first + 2) + 4), 1);
-    x = _mm512_insertf64x2(x, _mm_loadu_pd(from + 6 * (first + 4) + 4), 2);
-    return _mm512_insertf64x2(x, _mm_loadu_pd(from + 6 * (first + 6) + 4), 3);
+    __m512d x = _mm512_castpd128_pd512(_mm_loadu_pd(record(first) + 4));
+    x = _mm512_insertf64x2(x, _mm_loadu_pd(record(first + 2) + 4), 1);
+    x = _mm512_insertf64x2(x, _mm_loadu_pd(record(first + 4) + 4), 2);
+    return _mm512_insertf64x2(x, _mm_loadu_pd(record(first + 6) + 4), 3);
   };
   const __m512d a = four(0, 2), b = four(1, 3), c = four(4, 6), d = four(5, 7), e = two(0), f = two(1);
   const __m512d ab = _mm512_unpacklo_pd(a, b), cd = _mm512_unpacklo_pd(c, d);
@@ -307,11 +308,11 @@ inline void load_records(const double* from, Lanes (&to)[6]) {
   to[4] = _mm512_unpacklo_pd(e, f);
   to[5] = _mm512_unpackhi_pd(e, f);
 #elif defined(__AVX2__) && defined(__FMA__)
-  const __m256d a = _mm256_loadu_pd(from), b = _mm256_loadu_pd(from + 6);
-  const __m256d c = _mm256_loadu_pd(from + 12), d = _mm256_loadu_pd(from + 18);
+  const __m256d a = _mm256_loadu_pd(record(0)), b = _mm256_loadu_pd(record(1));
+  const __m256d c = _mm256_loadu_pd(record(2)), d = _mm256_loadu_pd(record(3));
   const auto two = [&](std::size_t first) {
-    return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(from + 6 * first + 4)),
-                                _mm_loadu_pd(from + 6 * (first + 2) + 4), 1);
+    return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(record(first) + 4)),
+                                _mm_loadu_pd(record(first + 2) + 4), 1);
   };
   const __m256d e = two(0), f = two(1);
   const __m256d ab = _mm256_unpacklo_pd(a, b), cd = _mm256_unpacklo_pd(c, d);
@@ -324,9 +325,13 @@ inline void load_records(const double* from, Lanes (&to)[6]) {
   to[5] = _mm256_unpackhi_pd(e, f);
 #else
   for (std::size_t i = 0; i < 6; ++i) {
-    for (std::size_t k = 0; k < kLanes; ++k) to[i][k] = from[6 * k + i];
+    for (std::size_t k = 0; k < kLanes; ++k) to[i][k] = record(k)[i];
   }
 #endif
+}
+/// The same for records that follow one another: to[i][k] = from[6 k + i].
+inline void load_records(const double* from, Lanes (&to)[6]) {
+  load_records_at([from](std::size_t k) { return from + 6 * k; }, to);
 }
 
 /// Calls take(from, at, count) for kGroup records of six doubles at a time, from record `at` on; the last
