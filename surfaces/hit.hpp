@@ -52,27 +52,26 @@ class HitBuffer {
     status.push_back(ray_status);
     counters.push_back(ray_counters);
   }
-  /// Room for up to `hits` hits of the next rays, to be filled in the arrays and cut by close_rays; hits of
-  /// surface 0, not touching, if nobody says otherwise.
-  void grow(std::size_t hits) {
-    l.resize(l.size() + hits);
-    surface.resize(l.size(), 0);
-    multiplicity.resize(l.size(), 1);
-  }
-  /// Closes the answers of counts.size() rays at once, all ok: counts[i] hits each, in the arrays since the
-  /// last ray was closed. `work`: as many counters, or more.
-  void close_rays(std::span<const std::int8_t> counts, std::span<const Counters> work) {
-    std::uint32_t end = ends_.empty() ? 0 : ends_.back();
-    const std::size_t first = ends_.size();
-    ends_.resize(first + counts.size());
-    std::uint32_t* const ends = ends_.data() + first;
+  /// Closes the answers of counts.size() rays at once, all ok: hits of surface 0 that do not touch, ray i's
+  /// at l_of[0][i], l_of[1][i], ..., counts[i] of them, at most kMost. `work`: as many counters, or more. No
+  /// branch depends on a ray.
+  template <std::size_t kMost>
+  void append_rays(std::span<const std::int8_t> counts, const std::array<const double*, kMost>& l_of,
+                   std::span<const Counters> work) {
+    const std::size_t rays = ends_.size(), hits = l.size();
+    l.resize(hits + kMost * counts.size());
+    ends_.resize(rays + counts.size());
+    double* const next = l.data();
+    std::uint32_t* const ends = ends_.data() + rays;
+    auto end = static_cast<std::uint32_t>(hits);
     for (std::size_t i = 0; i < counts.size(); ++i) {
-      end += static_cast<std::uint8_t>(counts[i]);  // not negative: no ray is open
+      for (std::size_t k = 0; k < kMost; ++k) next[end + k] = l_of[k][i];
+      end += static_cast<std::uint8_t>(counts[i]);
       ends[i] = end;
     }
     l.resize(end);
-    surface.resize(end);
-    multiplicity.resize(end);
+    surface.resize(end, 0);
+    multiplicity.resize(end, 1);
     status.resize(ends_.size(), Status::ok);
     counters.insert(counters.end(), work.begin(), work.begin() + static_cast<std::ptrdiff_t>(counts.size()));
   }

@@ -156,7 +156,7 @@ class Scene {
 
  private:
   static constexpr std::size_t kKernelBlock =
-      4 * kBlock;  ///< hard rays are few: kernels gather them from many
+      16 * kBlock;  ///< hard rays are few: kernels gather them from many
 
   struct Member {
     std::size_t intersector = 0;

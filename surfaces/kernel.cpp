@@ -17,24 +17,18 @@ KernelAnswers::Extremes KernelAnswers::extremes() const {
   return all;
 }
 
-// Whole arrays are copied, and no branch depends on a ray where it has at most one hit.
 void append_answers(const KernelAnswers& answers, const KernelAnswers::Extremes& extremes,
                     std::span<const Counters> first_tier, HitBuffer& out) {
-  const std::size_t rays = answers.hits.size(), ray = out.rays(), hit = out.l.size();
-  const std::size_t most = static_cast<std::uint8_t>(extremes.most);  // no ray is open: not negative
-  out.grow(rays * most);
-  double* next = out.l.data() + hit;
-  if (most == 1) {
-    for (std::size_t i = 0; i < rays; ++i) {
-      *next = answers.l[0][i];
-      next += answers.hits[i];
-    }
+  const std::size_t rays = answers.hits.size(), ray = out.rays();
+  const auto& l = answers.l;
+  if (extremes.most <= 1) {
+    out.append_rays<1>(answers.hits, {l[0].data()}, first_tier);
+  } else if (extremes.most == 2) {
+    out.append_rays<2>(answers.hits, {l[0].data(), l[1].data()}, first_tier);
   } else {
-    for (std::size_t i = 0; i < rays; ++i) {
-      for (int k = 0; k < answers.hits[i]; ++k) *next++ = answers.l[static_cast<std::size_t>(k)][i];
-    }
+    out.append_rays<KernelAnswers::kMost>(answers.hits, {l[0].data(), l[1].data(), l[2].data(), l[3].data()},
+                                          first_tier);
   }
-  out.close_rays(answers.hits, first_tier);
   if (extremes.tier > 1) {
     for (std::size_t i = 0; i < rays; ++i) out.counters[ray + i].tier = answers.tier[i];
   }

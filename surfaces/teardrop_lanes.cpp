@@ -13,7 +13,7 @@ constexpr double kU = 0x1p-53;
 constexpr double kInfinity = __builtin_inf();
 constexpr double kOpen = __builtin_nan("");
 constexpr double kTiny = 0x1p-960;   // far above what underflow can add to a bound, far below what matters
-constexpr std::size_t kBlock = 256;  // about 60 kB of lanes
+constexpr std::size_t kBlock = 512;  // about 140 kB of lanes, most of them unused; few vectors are part empty
 constexpr std::size_t kPadded = kBlock + kFloats;
 
 template <class V>
@@ -24,6 +24,7 @@ constexpr S kUnit = sizeof(S) == sizeof(float) ? S(0x1p-24) : S(0x1p-53);
 
 /// The profile in v = y / 6m: R^2 = m^2 rho(v), rho = 9 v g^2, g = 2 - v - sqrt(v).
 struct Frame {
+  double m;
   double m2;          ///< m^2
   double per_height;  ///< 1 / 6m
   double per_height_tail;
@@ -40,7 +41,8 @@ Frame frame_of(double m) {
       (__builtin_fma(-per_height, height, 1) - per_height * height_tail) * per_height;
   const double m2 = m * m, m2_tail = __builtin_fma(m, m, -m2);
   const double nine_m2 = 9 * m2;
-  return {m2,
+  return {m,
+          m2,
           per_height,
           per_height_tail,
           nine_m2,
@@ -72,6 +74,7 @@ struct Queue {
   alignas(64) double entry[kPadded];   ///< guess, l - centre; at last l, kInfinity for a miss, or kOpen
   alignas(64) double width[kPadded];   ///< what the last step leaves open
   alignas(64) double per_slope[kPadded];
+  alignas(64) double back[kPadded];                ///< l of the caller = l here * back
   alignas(64) float p[3][kPadded], q[3][kPadded];  ///< in floats: the point at `centre`, and d
   alignas(64) float start[kPadded];                ///< where it enters the first majorant, l - centre
   alignas(64) float guess[kPadded];                ///< of entry - centre
@@ -81,8 +84,10 @@ struct Queue {
 
 struct Block {
   Queue entries, exits;
-  alignas(64) double in[kPadded], out[kPadded];  ///< by ray: as Queue::entry; out = kInfinity: not asked for
-  alignas(64) double back[kPadded];              ///< l of the caller = l here * back
+  alignas(64) double out[kPadded];  ///< by ray: where it leaves; kInfinity: not asked for
+  // What is proved of the rays of `entries`, in its order.
+  alignas(64) double first[kPadded], second[kPadded];
+  alignas(64) std::int8_t hits[kPadded];
 };
 
 template <class V>
@@ -98,27 +103,33 @@ struct Quadratic {
   V size;   ///< of b, nothing cancelled
 };
 
-/// Fewer than 20 roundings go into each of a, b, c, relative to the sums of their terms' sizes, those of p, d
-/// and the frame included; the majorant's own coefficients are within 8. The discriminant is within 2 * 32 u
-/// of the sizes' b^2 + a c; in a, the sum of two negative terms, nothing cancels.
+/// At most 24 roundings go into each of a, b, c, relative to the sums of their terms' sizes: those of p (2,
+/// of its `size`), of d and of the frame included, 8 for the majorant's coefficients. So each is within 32 u,
+/// and the discriminant within 64 u of the sizes' b^2 + a c; in a, the sum of two negative terms, nothing
+/// cancels.
 template <class V>
-[[gnu::always_inline]] inline Quadratic<V> against(const Frame& frame, const Line<V>& x,
+[[gnu::always_inline]] inline Quadratic<V> against(const Frame& frame, const Line<V>& x, const V (&size)[3],
                                                    const Majorant<V>& q) {
   using S = Scalar<V>;
   const S per_height = static_cast<S>(frame.per_height), m2 = static_cast<S>(frame.m2);
-  const V v = x.py * per_height;
   const V k = x.dy * per_height;
-  const V s = v - q.at;
-  const V size_s = abs(v) + q.at;
-  const V square = fma(x.px, x.px, x.pz * x.pz);
+  const V s = x.py * per_height - q.at;
+  const V size_s = size[1] * per_height + q.at;
   const V flat = fma(x.dx, x.dx, x.dz * x.dz);
   const V r1 = abs(q.r1), r2 = abs(q.r2);
   const V a = m2 * q.r2 * k * k - flat;
   const V b = m2 * fma(q.r2, s, S(0.5) * q.r1) * k - fma(x.px, x.dx, x.pz * x.dz);
-  const V c = m2 * fma(s, fma(q.r2, s, q.r1), q.r0) - square;
-  const V size_b = m2 * fma(r2, size_s, r1) * abs(k) + fma(abs(x.px), abs(x.dx), abs(x.pz) * abs(x.dz));
-  const V size_c = m2 * fma(size_s, fma(r2, size_s, r1), q.r0 + r1 + r2) + square;
+  const V c = m2 * fma(s, fma(q.r2, s, q.r1), q.r0) - fma(x.px, x.px, x.pz * x.pz);
+  const V size_b = m2 * fma(r2, size_s, r1) * abs(k) + fma(size[0], abs(x.dx), size[2] * abs(x.dz));
+  const V size_c =
+      m2 * fma(size_s, fma(r2, size_s, r1), q.r0 + r1 + r2) + fma(size[0], size[0], size[2] * size[2]);
   return {a, b, c, fma(b, b, -(a * c)), 64 * kUnit<S> * fma(size_b, size_b, -a * size_c), size_b};
+}
+/// The same for a point that was rounded once.
+template <class V>
+[[gnu::always_inline]] inline Quadratic<V> against(const Frame& frame, const Line<V>& x,
+                                                   const Majorant<V>& q) {
+  return against(frame, x, {abs(x.px), abs(x.py), abs(x.pz)}, q);
 }
 
 /// F and what it depends on at a height, for steps: no error bound.
@@ -174,84 +185,135 @@ struct Sign {
   return {rho - square, error, (y < 0) | (y > frame.above)};
 }
 
-/// Two vectors of rays in the frame.
+/// Two vectors of rays in the frame: lengths in its unit, directions by a power of two with
+/// 1 <= max |d_i| < 2.
 struct Rays {
   Lanes o[3], d[3];
-  Lanes centre;
+  Lanes back;  ///< l of the caller = l here * back
+};
+struct RayPair {
+  Rays a, b;
+  Lanes centre_a, centre_b;
+  Line<Floats> line;  ///< through the points at `centre`
 };
 
-/// Recentres kLanes rays: lengths in the frame's unit, directions by a power of two with 1 <= max |d_i| < 2.
-[[gnu::always_inline]] inline Rays read(const Frame& frame, const TeardropBatch& batch, const double* rays,
-                                        double* back) {
-  Lanes x[6];
-  load_records(rays, x);
+[[gnu::always_inline]] inline Rays scaled(const TeardropBatch& batch, const Lanes (&x)[6]) {
   const Lanes shrink = reciprocal_power(max(abs(x[3]), max(abs(x[4]), abs(x[5]))));
-  store(back, shrink * batch.unit);
   const double scale = batch.inverse_unit;
-  Rays r{{x[0] * scale, x[1] * scale, x[2] * scale}, {x[3] * shrink, x[4] * shrink, x[5] * shrink}, {}};
-  const Lanes along = fma(r.o[0], r.d[0], fma(r.o[1] - frame.middle, r.d[1], r.o[2] * r.d[2]));
-  r.centre = -along / fma(r.d[0], r.d[0], fma(r.d[1], r.d[1], r.d[2] * r.d[2]));
-  return r;
+  return {{x[0] * scale, x[1] * scale, x[2] * scale},
+          {x[3] * shrink, x[4] * shrink, x[5] * shrink},
+          shrink * batch.unit};
 }
 
-[[gnu::always_inline]] inline Line<Floats> line_of(const Rays& a, const Rays& b) {
-  const auto point = [](const Rays& r, int i) { return fma(r.centre, r.d[i], r.o[i]); };
-  return {narrow(point(a, 0), point(b, 0)), narrow(point(a, 1), point(b, 1)),
-          narrow(point(a, 2), point(b, 2)), narrow(a.d[0], b.d[0]),
-          narrow(a.d[1], b.d[1]),           narrow(a.d[2], b.d[2])};
+/// Recentres two vectors of rays. The reciprocals are those of floats with one correction: 46 bits are far
+/// more than a point near the closest approach needs.
+[[gnu::always_inline]] inline RayPair recentred(const Frame& frame, const Rays& a, const Rays& b) {
+  const auto along = [&](const Rays& r) {
+    return fma(r.o[0], r.d[0], fma(r.o[1] - frame.middle, r.d[1], r.o[2] * r.d[2]));
+  };
+  const auto square = [](const Rays& r) { return fma(r.d[0], r.d[0], fma(r.d[1], r.d[1], r.d[2] * r.d[2])); };
+  const auto centre = [](Lanes wanted, Lanes squares, Lanes inverse) {
+    const Lanes near = -wanted * inverse;
+    return fma(-fma(near, squares, wanted), inverse, near);
+  };
+  const auto point = [](const Rays& r, Lanes l, int i) { return fma(l, r.d[i], r.o[i]); };
+  const Lanes square_a = square(a), square_b = square(b);
+  const auto inverse = widen(1 / narrow(square_a, square_b));
+  const Lanes at_a = centre(along(a), square_a, inverse.first),
+              at_b = centre(along(b), square_b, inverse.second);
+  return {a,
+          b,
+          at_a,
+          at_b,
+          {narrow(point(a, at_a, 0), point(b, at_b, 0)), narrow(point(a, at_a, 1), point(b, at_b, 1)),
+           narrow(point(a, at_a, 2), point(b, at_b, 2)), narrow(a.d[0], b.d[0]), narrow(a.d[1], b.d[1]),
+           narrow(a.d[2], b.d[2])}};
 }
 
-/// Appends the selected lanes of rays, or of the reversed rays, to a queue.
+/// The tangent ellipsoid at v = 0.42, where the body is widest but for 1 %: the fewest lines are left.
+[[gnu::always_inline]] inline Majorant<Floats> first_majorant() { return majorant_at(all(0.42F)); }
+
+/// Lines against the first majorant, in floats throughout: those that may hit ahead are queued. The point
+/// near the closest approach carries u (|p| + |o|).
+[[gnu::always_inline]] inline void cull(const Frame& frame, const TeardropBatch& batch, const double* rays,
+                                        std::size_t at, std::size_t count, Queue& entries) {
+  // Of the radius about (0, middle, 0), of which 3.48 m reach the apex.
+  const auto reach = static_cast<float>(3.6 * frame.m), middle = static_cast<float>(frame.middle);
+  // |along| is within 8 u |o| |d|, which is far below sqrt(kFar) |o| |d|.
+  constexpr float kFar = 0x1p-36F;
+  // Of |d|, so that no square of it leaves the floats.
+  constexpr float kLeast = 0x1p-30F, kMost = 0x1p30F;
+  Lanes low[6], high[6];
+  load_records(rays, low);
+  load_records(rays + std::size_t{6} * kLanes, high);
+  const double scale = batch.inverse_unit;
+  const Floats ox = narrow(low[0] * scale, high[0] * scale), oy = narrow(low[1] * scale, high[1] * scale),
+               oz = narrow(low[2] * scale, high[2] * scale);
+  const Floats dx = narrow(low[3], high[3]), dy = narrow(low[4], high[4]), dz = narrow(low[5], high[5]);
+  const Floats up = oy - middle;
+  const Floats along = fma(ox, dx, fma(up, dy, oz * dz)), square = fma(dx, dx, fma(dy, dy, dz * dz));
+  const Floats far = fma(ox, ox, fma(up, up, oz * oz));
+  const FloatMask behind = (along > 0) & (along * along > square * fma(all(kFar), far, all(reach * reach)));
+  const Floats centre = -along / square;
+  const Line<Floats> line{fma(centre, dx, ox), fma(centre, dy, oy), fma(centre, dz, oz), dx, dy, dz};
+  const Quadratic<Floats> q =
+      against(frame, line, {abs(line.px) + abs(ox), abs(line.py) + abs(oy), abs(line.pz) + abs(oz)},
+              first_majorant());
+  const Floats size = max(abs(dx), max(abs(dy), abs(dz)));
+  const FloatMask missed = (q.discriminant < -q.error) & (size > kLeast) & (size < kMost);
+  const unsigned left = ((1U << count) - 1) & ~to_bits(missed | (behind & (size > kLeast) & (size < kMost)));
+  store_selected_numbers(entries.ray + entries.size, left, static_cast<std::int32_t>(at));
+  entries.size += static_cast<unsigned>(__builtin_popcount(left));
+}
+
+/// The rays of two vectors of a queue.
+[[gnu::always_inline]] inline RayPair rays_of(const Frame& frame, const TeardropBatch& batch,
+                                              const Queue& queue, std::size_t i) {
+  const auto record = [&](std::size_t k) { return &batch.rays[queue.ray[i + k]].o.x; };
+  Lanes low[6], high[6];
+  load_records_at(record, low);
+  load_records_at([&](std::size_t k) { return record(k + kLanes); }, high);
+  return recentred(frame, scaled(batch, low), scaled(batch, high));
+}
+
+/// Files the queued rays as arrays, an exit as the entry of the reversed ray, and where they enter the first
+/// majorant. Of entries, those that may not be ahead are queued in `exits`, unless that is null.
 template <bool kReversed>
-inline void append(Queue& queue, unsigned lanes, std::size_t at, const Rays& a, const Rays& b,
-                   const Line<Floats>& line, Floats start) {
-  const auto turned = [](auto x) { return kReversed ? -x : x; };
-  const Floats p[] = {line.px, line.py, line.pz}, q[] = {line.dx, line.dy, line.dz};
-  constexpr unsigned kHalf = (1U << kLanes) - 1;
-  const unsigned low = lanes & kHalf, high = lanes >> kLanes;
-  const std::size_t to = queue.size, then = to + static_cast<unsigned>(__builtin_popcount(low));
-  for (std::size_t k = 0; k < 3; ++k) {
-    store_selected(queue.o[k] + to, low, a.o[k]);
-    store_selected(queue.o[k] + then, high, b.o[k]);
-    store_selected(queue.d[k] + to, low, turned(a.d[k]));
-    store_selected(queue.d[k] + then, high, turned(b.d[k]));
-    store_selected(queue.p[k] + to, lanes, p[k]);
-    store_selected(queue.q[k] + to, lanes, turned(q[k]));
-  }
-  store_selected(queue.centre + to, low, turned(a.centre));
-  store_selected(queue.centre + then, high, turned(b.centre));
-  store_selected(queue.start + to, lanes, turned(start));
-  store_selected_numbers(queue.ray + to, lanes, static_cast<std::int32_t>(at));
-  queue.size = to + static_cast<unsigned>(__builtin_popcount(lanes));
-}
-
-/// Rays against the first majorant, in floats: those that may hit are queued.
-void cull(const Frame& frame, const TeardropBatch& batch, const Majorant<Floats>& ellipsoid,
-          const double* rays, std::size_t at, std::size_t count, bool is_hard, Block& block) {
-  // What lies behind the origin is proved to, and what is ahead is, by more than the roundings of 40
-  // operations.
+void file(const Frame& frame, const TeardropBatch& batch, Queue& queue, Queue* exits) {
+  // What is ahead is proved to be by more than the roundings of 40 operations.
   constexpr float kMargin = 0x1p-16F;
-  const Rays a = read(frame, batch, rays, &block.back[at]);
-  const Rays b = read(frame, batch, rays + std::size_t{6} * kLanes, &block.back[at + kLanes]);
-  const Line<Floats> line = line_of(a, b);
-  const Quadratic<Floats> q = against(frame, line, ellipsoid);
-  const FloatMask missed = q.discriminant < -q.error;
-  // a < 0: entry before exit. The roots from the far side, so that "behind" is certain.
-  const Floats root = sqrt(max(q.discriminant, Floats{}) + q.error) + kMargin * q.size;
-  const Floats per_a = 1 / q.a;
-  const Floats in_at = (root - q.b) * per_a, out_at = -(q.b + root) * per_a;
-  const Floats centre = narrow(a.centre, b.centre);
-  const FloatMask behind = out_at + kMargin * abs(out_at) < -centre - kMargin * abs(centre);
-  const FloatMask ahead = in_at - kMargin * abs(in_at) > -centre + kMargin * abs(centre);
-  for (std::size_t i = 0; i < kFloats; i += kLanes) {
-    store(&block.in[at + i], all(kInfinity));
-    store(&block.out[at + i], all(kInfinity));
+  const auto turned = [](auto x) { return kReversed ? -x : x; };
+  // The lanes behind the last ray compute too: on rays, not on whatever lies there.
+  for (std::size_t i = 0; i < kFloats; ++i) queue.ray[queue.size + i] = 0;
+  for (std::size_t i = 0; i < queue.size; i += kFloats) {
+    const RayPair pair = rays_of(frame, batch, queue, i);
+    for (std::size_t k = 0; k < 3; ++k) {
+      store(&queue.o[k][i], pair.a.o[k]);
+      store(&queue.o[k][i + kLanes], pair.b.o[k]);
+      store(&queue.d[k][i], turned(pair.a.d[k]));
+      store(&queue.d[k][i + kLanes], turned(pair.b.d[k]));
+    }
+    store(&queue.back[i], pair.a.back);
+    store(&queue.back[i + kLanes], pair.b.back);
+    store(&queue.centre[i], turned(pair.centre_a));
+    store(&queue.centre[i + kLanes], turned(pair.centre_b));
+    const Line<Floats>& line = pair.line;
+    const Floats p[] = {line.px, line.py, line.pz}, d[] = {line.dx, line.dy, line.dz};
+    for (std::size_t k = 0; k < 3; ++k) {
+      store(&queue.p[k][i], p[k]);
+      store(&queue.q[k][i], turned(d[k]));
+    }
+    // a < 0: entry before exit. The roots from the far side.
+    const Quadratic<Floats> q = against(frame, line, first_majorant());
+    const Floats root = sqrt(max(q.discriminant, Floats{}) + q.error) + kMargin * q.size;
+    store(&queue.start[i], (kReversed ? root + q.b : root - q.b) / q.a);
+    if (kReversed || exits == nullptr) continue;
+    const Floats in_at = (root - q.b) / q.a, centre = narrow(pair.centre_a, pair.centre_b);
+    unsigned near = to_bits(~(in_at - kMargin * abs(in_at) > -centre + kMargin * abs(centre)));
+    if (queue.size - i < kFloats) near &= (1U << (queue.size - i)) - 1;
+    for (; near != 0; near &= near - 1)
+      exits->ray[exits->size++] = queue.ray[i + static_cast<unsigned>(__builtin_ctz(near))];
   }
-  const unsigned left = ((1U << count) - 1) & ~to_bits(missed | behind);
-  // A line that is hard to see from one side may be easy to see from the other.
-  const unsigned leaving = batch.both || is_hard ? left : left & ~to_bits(ahead);
-  append<false>(block.entries, left, at, a, b, line, in_at);
-  if (leaving != 0) append<true>(block.exits, leaving, at, a, b, line, out_at);
 }
 
 Line<Lanes> line_at(const Queue& queue, std::size_t i) {
@@ -390,22 +452,7 @@ void certify(const Frame& frame, Queue& queue) {
   }
 }
 
-/// The lanes behind the last line compute too: on numbers, not on whatever lies there.
-template <std::size_t kParts, class T>
-void pad(T* const (&parts)[kParts], std::size_t size) {
-  for (T* const part : parts) {
-    for (std::size_t i = 0; i < kFloats; ++i) part[size + i] = 0;
-  }
-}
-void pad(Queue& queue) {
-  pad<8>({queue.o[0], queue.o[1], queue.o[2], queue.d[0], queue.d[1], queue.d[2], queue.centre, queue.entry},
-         queue.size);
-  pad<7>({queue.p[0], queue.p[1], queue.p[2], queue.q[0], queue.q[1], queue.q[2], queue.start}, queue.size);
-}
-
 void find(const Frame& frame, bool is_hard, Queue& queue) {
-  if (queue.size == 0) return;
-  pad(queue);
   if (is_hard) {
     guess_hard(frame, queue);
   } else {
@@ -415,65 +462,108 @@ void find(const Frame& frame, bool is_hard, Queue& queue) {
   certify(frame, queue);
 }
 
-/// From what is proved of the lines to what is proved of the rays.
-std::size_t conclude(bool wants_both, std::size_t size, Block& block, const TeardropAnswers& to) {
-  for (std::size_t i = 0; i < block.entries.size; ++i)
-    block.in[block.entries.ray[i]] = block.entries.entry[i];
-  for (std::size_t i = 0; i < block.exits.size; ++i) block.out[block.exits.ray[i]] = -block.exits.entry[i];
+/// From what is proved of lines, where they enter and leave the solid, to what is proved of rays.
+[[gnu::always_inline]] inline void decide(Lanes in, Lanes out, Lanes back, Mask both, std::size_t i,
+                                          Block& block) {
+  const Mask missed = (in == kInfinity) | (out == -kInfinity);
+  const Mask ahead = in > 0, gone = out < 0;
+  const Lanes first = select(ahead, in, out) * back, second = out * back;
+  // What leaves the range of double in the caller's units is left open.
+  const Mask first_fits = gone | ((first > 0) & (first < kInfinity));
+  const Mask second_fits = ~both | ~ahead | (second < kInfinity);
+  // The first hit needs no exit.
+  const Mask ordered = (in < out) | (~both & ahead & (out != out));
+  const Mask known = ordered & (ahead | (out < kInfinity)) & first_fits & second_fits;
+  const Lanes some = select(both & ahead, all(2.0), all(1.0));
+  const Lanes count = select(gone, Lanes{}, some);
+  store(&block.first[i], first);
+  store(&block.second[i], second);
+  store_bytes(&block.hits[i], select(missed, Lanes{}, select(known, count, all(-1.0))));
+}
+
+/// Answers of the rays that were queued; returns how many are open.
+std::size_t conclude(bool wants_both, Block& block, const TeardropAnswers& to) {
+  const Queue &entries = block.entries, &exits = block.exits;
   const Mask both = all(wants_both ? 1.0 : 0.0) > 0;
-  std::size_t open = 0;
-  for (std::size_t i = 0; i < size; i += kLanes) {
-    const Lanes in = load(&block.in[i]), out = load(&block.out[i]), back = load(&block.back[i]);
-    const Mask missed = (in == kInfinity) | (out == -kInfinity);
-    const Mask ahead = in > 0, gone = out < 0;
-    const Lanes first = select(ahead, in, out) * back, second = out * back;
-    // What leaves the range of double in the caller's units is left open.
-    const Mask first_fits = gone | ((first > 0) & (first < kInfinity));
-    const Mask second_fits = ~both | ~ahead | (second < kInfinity);
-    // The first hit needs no exit.
-    const Mask ordered = (in < out) | (~both & ahead & (out != out));
-    const Mask known = ordered & (ahead | (out < kInfinity)) & first_fits & second_fits;
-    const Lanes some = select(both & ahead, all(2.0), all(1.0));
-    const Lanes count = select(gone, Lanes{}, some);
-    store_bytes(to.hits + i, select(missed, Lanes{}, select(known, count, all(-1.0))));
-    store(to.first + i, first);
-    if (wants_both) store(to.second + i, second);
-    const std::size_t rest = size - i;
-    const unsigned real = rest < kLanes ? (1U << rest) - 1 : (1U << kLanes) - 1;
-    open += static_cast<unsigned>(__builtin_popcount(to_bits(~(missed | known)) & real));
+  if (exits.size == 0) {
+    for (std::size_t i = 0; i < entries.size; i += kLanes)
+      decide(load(&entries.entry[i]), all(kInfinity), load(&entries.back[i]), both, i, block);
+  } else {
+    for (std::size_t i = 0; i < entries.size; ++i) block.out[entries.ray[i]] = kInfinity;
+    for (std::size_t i = 0; i < exits.size; ++i) block.out[exits.ray[i]] = -exits.entry[i];
+    for (std::size_t i = 0; i < entries.size; i += kLanes) {
+      Lanes out;
+      for (std::size_t k = 0; k < kLanes; ++k) out[k] = block.out[entries.ray[i + k]];
+      decide(load(&entries.entry[i]), out, load(&entries.back[i]), both, i, block);
+    }
   }
+  // By names of their own: the compiler cannot know that bytes do not overlap them.
+  const std::size_t size = entries.size;
+  std::int8_t* const hits = to.hits;
+  double* const first = to.first;
+  std::size_t open = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::int32_t ray = entries.ray[i];
+    hits[ray] = block.hits[i];
+    first[ray] = block.first[i];
+    open += block.hits[i] < 0 ? 1 : 0;
+  }
+  for (std::size_t i = 0; wants_both && i < entries.size; ++i) to.second[entries.ray[i]] = block.second[i];
   return open;
 }
 
 /// At most kBlock rays; returns how many it leaves open.
 std::size_t solve_block(const Frame& frame, const TeardropBatch& batch, bool is_hard, Block& block,
                         const TeardropAnswers& to) {
-  // The tangent ellipsoid at v = 0.42, where the body is widest but for 1 %: the fewest lines are left.
-  const Majorant<Floats> ellipsoid = majorant_at(all(0.42F));
-  block.entries.size = block.exits.size = 0;
+  Queue &entries = block.entries, &exits = block.exits;
+  entries.size = exits.size = 0;
+  __builtin_memset(to.hits, 0, batch.count);
   for_groups<kFloats>(&batch.rays->o.x, batch.count,
                       [&](const double* rays, std::size_t at, std::size_t count) {
-                        cull(frame, batch, ellipsoid, rays, at, count, is_hard, block);
+                        cull(frame, batch, rays, at, count, entries);
                       });
-  find(frame, is_hard, block.entries);
-  find(frame, is_hard, block.exits);
-  return conclude(batch.both, batch.count, block, to);
+  // A line that is hard to see from one side may be easy to see from the other.
+  const bool leaving = batch.both || is_hard;
+  file<false>(frame, batch, entries, leaving ? nullptr : &exits);
+  find(frame, is_hard, entries);
+  if (leaving) {
+    __builtin_memcpy(exits.ray, entries.ray, entries.size * sizeof *exits.ray);
+    exits.size = entries.size;
+  }
+  if (exits.size > 0) {
+    file<true>(frame, batch, exits, nullptr);
+    find(frame, is_hard, exits);
+  }
+  return conclude(batch.both, block, to);
 }
 
-/// Answers of a block that is not whole, or not in one place.
+/// Rays that are not in one place, and their answers.
 struct Aside {
-  alignas(64) double first[kPadded], second[kPadded];
-  alignas(64) std::int8_t hits[kPadded];
+  double first[kBlock], second[kBlock];
+  std::int8_t hits[kBlock];
   Ray rays[kBlock];
-  std::int32_t place[kBlock];
+  std::size_t place[kBlock];
 
   [[nodiscard]] TeardropAnswers answers() { return {hits, first, second}; }
-  void move(std::size_t from, const TeardropAnswers& to, std::size_t at, bool both) const {
+  void move(std::size_t from, const TeardropAnswers& to, bool both) const {
+    const std::size_t at = place[from];
     to.hits[at] = hits[from];
     to.first[at] = first[from];
     if (both) to.second[at] = second[from];
   }
 };
+
+/// The next open ray from `next` on, or `count`: eight at a time while none of them is.
+std::size_t next_open(const std::int8_t* hits, std::size_t next, std::size_t count) {
+  constexpr std::uint64_t kSigns = 0x8080808080808080;
+  for (; next + sizeof(std::uint64_t) <= count; next += sizeof(std::uint64_t)) {
+    std::uint64_t eight = 0;
+    __builtin_memcpy(&eight, hits + next, sizeof eight);
+    if ((eight & kSigns) != 0) break;
+  }
+  while (next < count && hits[next] >= 0) ++next;
+  return next;
+}
 
 /// The rays that most steps of the first look do not settle, gathered from all blocks, so that their loops
 /// are long; returns how many stay open.
@@ -482,18 +572,16 @@ std::size_t look_again(const Frame& frame, const TeardropBatch& batch, Block& bl
   std::size_t open = 0, next = 0;
   while (next < batch.count) {
     std::size_t size = 0;
-    for (; next < batch.count && size < kBlock; ++next) {
-      if (answers.hits[next] >= 0) continue;
+    while (size < kBlock && (next = next_open(answers.hits, next, batch.count)) < batch.count) {
       aside.rays[size] = batch.rays[next];
-      aside.place[size++] = static_cast<std::int32_t>(next);
+      aside.place[size++] = next++;
     }
     if (size == 0) break;
     TeardropBatch hard = batch;
     hard.rays = aside.rays;
     hard.count = size;
     open += solve_block(frame, hard, true, block, aside.answers());
-    for (std::size_t i = 0; i < size; ++i)
-      aside.move(i, answers, static_cast<std::size_t>(aside.place[i]), batch.both);
+    for (std::size_t i = 0; i < size; ++i) aside.move(i, answers, batch.both);
   }
   return open;
 }
@@ -510,10 +598,7 @@ std::size_t intersect_teardrop(const TeardropBatch& batch, const TeardropAnswers
     part.rays = batch.rays + begin;
     part.count = batch.count - begin < kBlock ? batch.count - begin : kBlock;
     const TeardropAnswers to{answers.hits + begin, answers.first + begin, answers.second + begin};
-    // Whole vectors are written: the last ones, where they would be too long, aside.
-    const bool is_whole = part.count % kLanes == 0;
-    open += solve_block(frame, part, false, block, is_whole ? to : aside.answers());
-    for (std::size_t i = 0; !is_whole && i < part.count; ++i) aside.move(i, to, i, batch.both);
+    open += solve_block(frame, part, false, block, to);
   }
   return open == 0 ? 0 : look_again(frame, batch, block, aside, answers);
 }
