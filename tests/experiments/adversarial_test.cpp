@@ -211,8 +211,9 @@ struct Totals {
 struct Sighting {
   Ray ray;
   std::size_t hits = 0;
-  double error = 0;   ///< largest of the solvers', in units of their bounds
-  double margin = 1;  ///< smallest distance of the truth from another one, relative
+  unsigned tiers = 0;  ///< which arithmetic answered, all solvers together
+  double error = 0;    ///< largest of the solvers', in units of their bounds
+  double margin = 1;   ///< smallest distance of the truth from another one, relative
 };
 
 /// A surface, its truth, and the solvers that are asked about it.
@@ -237,11 +238,12 @@ class Target {
   Sighting ask(const Ray& ray) {
     const truth::Answer truth = truth_->all(ray, {.digits = 20});
     ++totals_->rays;
-    Sighting sighting{ray, truth.hits.size(), 0, margin_of(ray, truth)};
+    Sighting sighting{ray, truth.hits.size(), 0, 0, margin_of(ray, truth)};
     for (Contender& contender : contenders_) {
       for (const Query query : {Query::all, Query::first, Query::any}) {
         const Finding finding = answer(contender, ray, truth, query);
         sighting.error = std::max(sighting.error, finding.error);
+        sighting.tiers = 8 * sighting.tiers + contender.hits.counters[0].tier;
         note(contender, ray, query, finding);
         if (finding.fault != Fault::none) break;
       }
@@ -351,70 +353,80 @@ void climb(Target& target, const Ray& start, bool to_errors, std::size_t steps, 
   const auto height = [to_errors](const Sighting& s) { return to_errors ? s.error : -s.margin; };
   Sighting best = target.ask(start);
   for (std::size_t i = 0; i < steps; ++i) {
-    const Ray ray = moved(best.ray, rng);
+    const Ray ray = moved(best.ray, target.surface().size(), rng);
     if (!is_valid(ray)) continue;
     const Sighting next = target.ask(ray);
     if (next.hits > 0 && height(next) >= height(best)) best = next;
   }
 }
 
-/// Two rays that differ in one number, by one ulp, and in their counts.
+/// What changes across an edge: the count of hits, or the arithmetic that a solver's filters let answer.
+enum class Side { count, tier };
+unsigned side_of(Side side, const Sighting& s) {
+  return side == Side::count ? static_cast<unsigned>(s.hits) : s.tiers;
+}
+
+/// Two rays that differ in one number, by one ulp, and lie on two sides.
 struct Edge {
   Ray one, other;
 };
 
-/// Between two rays of different counts that differ in the number `i` only.
-Edge bisect(Target& target, Ray one, Ray other, std::size_t i, std::size_t hits_of_one) {
+/// Between two rays on two sides that differ in the number `i` only.
+Edge bisect(Target& target, Side side, Ray one, Ray other, std::size_t i) {
+  const unsigned here = side_of(side, target.ask(one));
   while (true) {
-    const std::int64_t a = place_of(number(one, i));
-    const std::int64_t b = place_of(number(other, i));
-    // Halves first: the sum may overflow.
-    const std::int64_t middle = a / 2 + b / 2 + (a % 2 + b % 2) / 2;
-    if (middle == a || middle == b) return {one, other};
+    const double a = number(one, i);
+    const double b = number(other, i);
+    const double middle = a + 0.5 * (b - a);
+    const double least = least_step(one, i, target.surface().size());
+    if (middle == a || middle == b || std::fabs(b - a) < least) return {one, other};
     Ray between = one;
-    number(between, i) = double_at(middle);
+    number(between, i) = middle;
     if (!is_valid(between)) return {one, other};
-    (target.ask(between).hits == hits_of_one ? one : other) = between;
+    (side_of(side, target.ask(between)) == here ? one : other) = between;
   }
 }
 
-/// From one ray to the other, number by number, to the first change of the count.
-std::optional<Edge> edge_between(Target& target, Ray one, const Ray& other) {
-  const std::size_t hits = target.ask(one).hits;
+/// From one ray to the other, number by number, to the first change.
+std::optional<Edge> edge_between(Target& target, Side side, Ray one, Ray other) {
+  const unsigned here = side_of(side, target.ask(one));
   for (std::size_t i = 0; i < kNumbers; ++i) {
     Ray next = one;
-    Ray aim = other;
-    number(next, i) = number(aim, i);
+    number(next, i) = number(other, i);
     if (!is_valid(next)) return std::nullopt;
-    if (target.ask(next).hits != hits) return bisect(target, one, next, i, hits);
+    if (side_of(side, target.ask(next)) != here) return bisect(target, side, one, next, i);
     one = next;
   }
   return std::nullopt;
 }
 
-/// The edge next to a ray near it: steps of 1, 2, 4, ... ulps to either side until the count changes.
-std::optional<Edge> edge_near(Target& target, const Ray& ray, Rng& rng) {
+/// The edge next to a ray near it: steps of 1, 2, 4, ... ulps either way until the side changes.
+std::optional<Edge> edge_near(Target& target, Side side, const Ray& ray, Rng& rng) {
   constexpr int kDoublings = 30;
   const std::size_t i = pick(rng, kNumbers);
-  const std::size_t hits = target.ask(ray).hits;
+  const unsigned here = side_of(side, target.ask(ray));
   for (int k = 0; k < kDoublings; ++k) {
-    for (const int side : {-1, 1}) {
+    for (const double sign : {-1.0, 1.0}) {
       Ray next = ray;
-      number(next, i) = stepped(number(next, i), side * (std::int64_t{1} << k));
-      if (is_valid(next) && target.ask(next).hits != hits) return bisect(target, ray, next, i, hits);
+      step_aside(next, i, std::ldexp(sign, k), target.surface().size());
+      if (is_valid(next) && side_of(side, target.ask(next)) != here)
+        return bisect(target, side, ray, next, i);
     }
   }
   return std::nullopt;
 }
 
-/// Along the edge, by turns on it and some ulps beside it.
-void walk_edge(Target& target, Edge edge, std::size_t steps, Rng& rng) {
+/// Along the edge: a few ulps beside it, and from time to time to where a larger move finds it again.
+void walk_edge(Target& target, Side side, Edge edge, std::size_t steps, Rng& rng) {
   for (std::size_t i = 0; i < steps; ++i) {
-    Ray ray = moved(chance(rng, 0.5) ? edge.one : edge.other, rng);
+    const Ray& from = chance(rng, 0.5) ? edge.one : edge.other;
+    const bool is_far = chance(rng, 0.125);
+    const double size = target.surface().size();
+    const Ray ray = is_far ? moved(from, size, rng) : nudged(from, size, rng);
     if (!is_valid(ray)) continue;
     target.ask(ray);
-    if (!chance(rng, 0.25)) continue;
-    if (const auto next = edge_near(target, ray, rng)) edge = *next;
+    if (!is_far) continue;
+    if (const auto next = edge_near(target, side, ray, rng)) edge = *next;
   }
 }
 
@@ -431,12 +443,22 @@ void attack(Target& target, std::size_t round, const Effort& effort, Rng& rng) {
   std::vector<Ray> rays = family_rays(target, round, effort.of_family);
   for (std::size_t i = 0; i < effort.structured; ++i) rays.push_back(structured_ray(target.surface(), rng));
   for (const Ray& ray : rays) target.ask(ray);
-  const auto any_ray = [&]() -> const Ray& { return rays[pick(rng, rays.size())]; };
+  // Searches from rays with numbers out of the ordinary take long, and stay there.
+  const auto any_ray = [&]() -> const Ray& {
+    const Ray* ray = nullptr;
+    for (int i = 0; i < 4 && (ray == nullptr || is_wild(*ray)); ++i) ray = &rays[pick(rng, rays.size())];
+    return *ray;
+  };
   for (std::size_t i = 0; i < effort.searches; ++i) {
     climb(target, any_ray(), true, effort.steps, rng);
     climb(target, any_ray(), false, effort.steps, rng);
     const Ray& one = any_ray();
-    if (const auto edge = edge_between(target, one, any_ray())) walk_edge(target, *edge, effort.steps, rng);
+    const Ray& other = any_ray();
+    for (const Side side : {Side::count, Side::tier}) {
+      // From the edge of the count it is not far to where the filters give up.
+      const auto edge = edge_between(target, side, one, other);
+      if (edge) walk_edge(target, side, *edge, effort.steps, rng);
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 // by which a search goes from ray to ray.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -40,7 +41,18 @@ inline double double_at(std::int64_t place) {
   const auto bits = std::bit_cast<double>(std::min(std::abs(place), kLargest));
   return place < 0 ? -bits : bits;
 }
-inline double stepped(double x, std::int64_t ulps) { return double_at(place_of(x) + ulps); }
+
+/// The least step of a number: 2^-112 of its vector, or of L for origins. Below that a search would go on
+/// towards zero without end, and zeros would become subnormal at the first step.
+inline double least_step(const Ray& ray, std::size_t i, double size) {
+  return 0x1p-112 * (i < 3 ? std::max(max_abs(ray.o), size) : max_abs(ray.d));
+}
+/// One of the numbers some ulps aside.
+inline void step_aside(Ray& ray, std::size_t i, double ulps, double size) {
+  const double least = least_step(ray, i, size);
+  double& x = number(ray, i);
+  x += ulps * std::max(ulp(x), least);
+}
 
 /// x with its mantissa cut to `bits` bits.
 inline double cut(double x, int bits) {
@@ -156,16 +168,15 @@ inline double structured_distance(Rng& rng) {
   }
 }
 
-/// Zeros of either sign, and now and then an ulp to a side.
-inline void blur(Ray& ray, Rng& rng) {
+/// Zeros of either sign, now and then an ulp aside, seldom the smallest doubles for zeros.
+inline void blur(Ray& ray, double size, Rng& rng) {
+  const bool is_wild = chance(rng, 0.05);
   for (std::size_t i = 0; i < kNumbers; ++i) {
     double& x = number(ray, i);
     if (x == 0 && chance(rng, 0.3)) x = -0.0;
+    if (is_wild && chance(rng, 0.5)) x = double_at(place_of(x) + whole(rng, 2));
   }
-  if (chance(rng, 0.4)) {
-    double& x = number(ray, pick(rng, kNumbers));
-    x = stepped(x, whole(rng, 2));
-  }
+  if (chance(rng, 0.4)) step_aside(ray, pick(rng, kNumbers), whole(rng, 2), size);
 }
 
 inline Ray structured_ray(const AnySurface& surface, Rng& rng) {
@@ -177,7 +188,7 @@ inline Ray structured_ray(const AnySurface& surface, Rng& rng) {
     const Vec3 step =
         std::ldexp(1.0, std::ilogb(surface.size()) - std::ilogb(max_abs(direction))) * direction;
     Ray ray{target - structured_distance(rng) * step, structured_length(rng) * direction};
-    blur(ray, rng);
+    blur(ray, surface.size(), rng);
     if (is_valid(ray)) return ray;
   }
 }
@@ -185,9 +196,11 @@ inline Ray structured_ray(const AnySurface& surface, Rng& rng) {
 // ------------------------------------------------------------------------------------------------------
 // moves
 
-/// A neighbour: ulps, one bit of a mantissa, another length of d, another origin on the ray, fewer bits.
-inline Ray moved(Ray ray, Rng& rng) {
-  double& x = number(ray, pick(rng, kNumbers));
+/// A neighbour on a surface of size L: ulps, one bit of a mantissa, another length of d, another origin on
+/// the ray, fewer bits.
+inline Ray moved(Ray ray, double size, Rng& rng) {
+  const std::size_t i = pick(rng, kNumbers);
+  double& x = number(ray, i);
   switch (pick(rng, 8)) {
     case 0:
       ray.d = rng.uniform(0.5, 2) * ray.d;
@@ -200,12 +213,20 @@ inline Ray moved(Ray ray, Rng& rng) {
       break;
     case 3:
     case 4:
-      x = std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) ^ (std::uint64_t{1} << pick(rng, 52)));
+      if (x != 0)
+        x = std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) ^ (std::uint64_t{1} << pick(rng, 52)));
       break;
     default:
-      x = stepped(x, whole(rng, 1 << pick(rng, 10)));
+      step_aside(ray, i, whole(rng, 1 << pick(rng, 10)), size);
       break;
   }
+  return ray;
+}
+
+/// Some of the numbers a few ulps aside.
+inline Ray nudged(Ray ray, double size, Rng& rng) {
+  for (std::size_t count = 1 + pick(rng, 3); count > 0; --count)
+    step_aside(ray, pick(rng, kNumbers), whole(rng, 8), size);
   return ray;
 }
 
