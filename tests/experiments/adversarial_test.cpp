@@ -153,14 +153,17 @@ struct Known {
   unsigned on_wild = 0;  ///< on rays with numbers that are all but zero or very large
 };
 constexpr unsigned kAll = ~0U;
-constexpr std::array<Known, 13> kKnown{{
+constexpr std::array<Known, 14> kKnown{{
+    // Two hits next to the apex, or one next to the origin, are taken for none; errors far away.
+    {"teardrop", set_of({Fault::count, Fault::error}), kAll},
     // Some rays are left uncertain; the top pole is missed; errors of the lift.
     {"bezier_revolution", kAll, kAll},
     // The cusp's multiplicity; errors beside a crossing.
     {"implicit_polynomial", set_of({Fault::undecided, Fault::error, Fault::merged, Fault::multiplicity}),
      kAll},
-    // Two sheets at one double; errors from the surface itself and at a slender tube.
-    {"torus", set_of({Fault::error, Fault::merged}), kAll},
+    // Two sheets at one double; errors from the surface itself and at a slender tube; pairs taken for
+    // touches.
+    {"torus", set_of({Fault::count, Fault::error, Fault::merged}), kAll},
     // From so far that no double tells two faces apart.
     {"convex_polyhedron", set_of({Fault::undecided}), kAll},
     // Products that underflow or overflow.
