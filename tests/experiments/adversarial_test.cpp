@@ -438,7 +438,7 @@ struct Effort {
   std::size_t of_family, structured, searches, steps;
 };
 /// Of the one round of a short run, all surfaces together in some seconds; and of each round of a long one.
-constexpr Effort kShort = kSanitized ? Effort{1, 10, 1, 5} : Effort{2, 60, 2, 20};
+constexpr Effort kShort = kSanitized ? Effort{1, 10, 1, 5} : Effort{2, 100, 4, 30};
 constexpr Effort kLong{10, 200, 4, 60};
 
 /// One round against one surface: each ingredient in its turn.

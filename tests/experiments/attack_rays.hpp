@@ -226,7 +226,7 @@ inline Ray moved(Ray ray, double size, Rng& rng) {
 /// Some of the numbers a few ulps aside.
 inline Ray nudged(Ray ray, double size, Rng& rng) {
   for (std::size_t count = 1 + pick(rng, 3); count > 0; --count)
-    step_aside(ray, pick(rng, kNumbers), whole(rng, 8), size);
+    step_aside(ray, pick(rng, kNumbers), whole(rng, 1 << pick(rng, 7)), size);
   return ray;
 }
 
