@@ -486,6 +486,53 @@ ExactPolynomial gcd(const ExactPolynomial& p, const ExactPolynomial& q) {
   return b.is_zero() ? a.primitive_part() : one;
 }
 
+BigInteger resultant(const ExactPolynomial& p, const ExactPolynomial& q) {
+  if (p.is_zero() || q.is_zero()) return 0;
+  ExactPolynomial a = p, b = q;
+  bool negative = false;
+  const auto are_odd = [&] { return a.degree() % 2 == 1 && b.degree() % 2 == 1; };
+  if (a.degree() < b.degree()) {
+    negative = are_odd();
+    std::swap(a, b);
+  }
+  BigInteger g = 1, h = 1;
+  while (b.degree() > 0) {
+    if (are_odd()) negative = !negative;
+    const int apart = a.degree() - b.degree();
+    const ExactPolynomial rest = pseudo_remainder(a, b);
+    a = std::move(b);
+    const BigInteger divisor = g * power(h, apart);
+    Coefficients c;
+    for (const BigInteger& x : rest.coefficients()) c.push_back(exact_quotient(x, divisor));
+    b = ExactPolynomial(std::move(c));
+    g = a.leading();
+    if (apart > 0) h = exact_quotient(power(g, apart), power(h, apart - 1));
+  }
+  if (b.is_zero()) return 0;
+  const int n = a.degree();
+  if (n > 0) h = exact_quotient(power(b.leading(), n), power(h, n - 1));
+  return negative ? -h : h;
+}
+
+ExactPolynomial image_polynomial(const ExactPolynomial& f, const ExactPolynomial& p) {
+  const auto n = static_cast<std::size_t>(f.degree());
+  Coefficients differences;
+  for (std::size_t y = 0; y <= n; ++y)
+    differences.push_back(resultant(f, ExactPolynomial(Coefficients{BigInteger(y)}) - p));
+  // Newton's forward differences; times n! every coefficient of the interpolant is an integer.
+  for (std::size_t level = 1; level <= n; ++level) {
+    for (std::size_t i = n; i >= level; --i) differences[i] -= differences[i - 1];
+  }
+  BigInteger factor = 1;
+  ExactPolynomial image;
+  for (std::size_t i = n + 1; i-- > 0;) {
+    image = image * ExactPolynomial(Coefficients{-BigInteger(i), 1}) +
+            ExactPolynomial(Coefficients{differences[i] * factor});
+    factor *= BigInteger(i);
+  }
+  return image;
+}
+
 std::vector<SquareFreeFactor> square_free_factors(const ExactPolynomial& p) {
   if (p.degree() < 1) return {};
   if (surely_coprime(p, p.derivative())) return {{p, 1}};
@@ -649,6 +696,55 @@ int sign_at(const ExactPolynomial& q, RealRoot x) {
     if (sign_changes(cell.b) == 0) return sign_of_first(cell.b);
     x.refine(width - more);
   }
+}
+
+DyadicBounds bounds_at(const ExactPolynomial& p, const RealRoot& x) {
+  const Dyadic value = p.value_at(x.lo());
+  if (x.is_exact()) return {value, value};
+  const Dyadic most = std::max(abs(x.lo()), abs(x.hi()));
+  const long exponent = std::max(most.top_exponent() + 1, 0L);
+  // |p'| <= sum i |c_i| 2^(k (i - 1)) for |x| <= 2^k.
+  Dyadic slope;
+  const auto c = p.coefficients();
+  for (std::size_t i = 1; i < c.size(); ++i)
+    slope += Dyadic(abs(c[i]) * BigInteger(i), exponent * static_cast<long>(i - 1));
+  const Dyadic radius = slope * (x.hi() - x.lo());
+  return {value - radius, value + radius};
+}
+
+namespace {
+
+/// p(x) among the roots of its image polynomial: refined until one is left.
+std::size_t find_image(RealRoot x, const ExactPolynomial& p, std::vector<RealRoot> images) {
+  constexpr long kFirstBits = 64;
+  std::vector<std::size_t> left(images.size());
+  std::iota(left.begin(), left.end(), std::size_t{0});
+  for (long bits = kFirstBits; left.size() > 1; bits *= 2) {
+    x.refine(-bits);
+    const DyadicBounds value = bounds_at(p, x);
+    for (const std::size_t i : left) images[i].refine(-bits);
+    std::erase_if(left,
+                  [&](std::size_t i) { return images[i].hi() < value.lo || value.hi < images[i].lo(); });
+  }
+  return left.front();
+}
+
+}  // namespace
+
+bool have_equal_images(RealRoot a, RealRoot b, const ExactPolynomial& p) {
+  if (p.degree() < 1) return true;
+  if (a.is_exact()) std::swap(a, b);
+  if (b.is_exact()) {
+    // Times the power of two that makes the difference from p(b) integers.
+    const Dyadic value = p.value_at(b.lo());
+    const long unit = std::min(value.exponent(), 0L);
+    const ExactPolynomial shift(Coefficients{value.floor_in_units_of(unit)});
+    return sign_at(p * BigInteger::power_of_two(static_cast<std::size_t>(-unit)) - shift, a) == 0;
+  }
+  const bool same = &a.polynomial() == &b.polynomial();
+  const ExactPolynomial image = image_polynomial(same ? a.polynomial() : a.polynomial() * b.polynomial(), p);
+  const std::vector<RealRoot> images = isolate_roots(image);
+  return find_image(a, p, images) == find_image(b, p, images);
 }
 
 std::vector<RealRoot> isolate_roots(const ExactPolynomial& p, const DyadicInterval& interval) {

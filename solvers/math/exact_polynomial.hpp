@@ -3,7 +3,8 @@
 //
 // Solves:  p(x) = 0 in a closed interval, ends dyadic or infinite: all distinct real roots with their
 //          multiplicities, each as an exact dyadic or in an open interval that no other root shares, and
-//          any number of its digits; greatest common divisors, square-free factors, signs and order of roots.
+//          any number of its digits; greatest common divisors, resultants, square-free factors, signs,
+//          images and order of roots.
 // Needs:   p != 0 (the zero polynomial is the caller's `coincident`); coefficients exact: finite doubles,
 //          dyadics, or integers, ascending.
 // Returns: roots ascending. Every input has an answer; there is no status and no budget: subdivision ends
@@ -83,6 +84,12 @@ ExactPolynomial exact_quotient(const ExactPolynomial& a, const ExactPolynomial& 
 /// zeros. Subresultants [BT].
 ExactPolynomial gcd(const ExactPolynomial& a, const ExactPolynomial& b);
 
+/// The resultant: 0 where a and b have a common root, or one of them is zero. Subresultants [BT].
+BigInteger resultant(const ExactPolynomial& a, const ExactPolynomial& b);
+/// The polynomial of degree deg f whose roots are p(x) for the complex roots x of f, with their
+/// multiplicities: Res_x(f(x), y - p(x)) from its values at deg f + 1 integers y. Needs: f != 0.
+ExactPolynomial image_polynomial(const ExactPolynomial& f, const ExactPolynomial& p);
+
 /// `polynomial` has only simple roots, and each is a root of the given multiplicity.
 struct SquareFreeFactor {
   ExactPolynomial polynomial;
@@ -145,6 +152,14 @@ class RealRoot {
 std::strong_ordering compare(RealRoot a, RealRoot b);
 /// The sign of q at the root x: -1, 0 or 1.
 int sign_at(const ExactPolynomial& q, RealRoot x);
+
+/// p(x), between two dyadics that are equal where x is exact; off by at most |p'| times the width of x.
+struct DyadicBounds {
+  Dyadic lo, hi;
+};
+DyadicBounds bounds_at(const ExactPolynomial& p, const RealRoot& x);
+/// p(a) = p(b), decided by the image polynomial of both roots.
+bool have_equal_images(RealRoot a, RealRoot b, const ExactPolynomial& p);
 
 /// All distinct real roots of p in the interval, ascending. Of an isolating interval, only the root is sure
 /// to lie in `interval`. No roots for p = 0.

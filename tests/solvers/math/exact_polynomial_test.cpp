@@ -227,6 +227,50 @@ TEST(ExactPolynomial, APrimeThatDividesALeadingCoefficientDoesNotMislead) {
   EXPECT_EQ(square_free_factors(p * p)[0].multiplicity, 2);
 }
 
+TEST(ExactPolynomial, AResultantIsTheProductOfTheOthersValuesAtTheRoots) {
+  // 3 (x - 1)(x - 2)(x + 4) and 2 x^2 + x + 5: 3^2 g(1) g(2) g(-4).
+  const ExactPolynomial f(Integers{24, -30, 3, 3}), g(Integers{5, 1, 2}), h(Integers{-2, 1, 0, 7});
+  EXPECT_EQ(resultant(f, g), BigInteger(9 * 8 * 15 * 33));
+  EXPECT_EQ(resultant(g, f), BigInteger(9 * 8 * 15 * 33));
+  EXPECT_EQ(resultant(f, h), BigInteger(27 * 6 * 56 * -454));
+  EXPECT_EQ(resultant(h, f), BigInteger(-27 * 6 * 56 * -454));
+  EXPECT_EQ(resultant(f, ExactPolynomial(Integers{-2, 1}) * g), 0);
+  EXPECT_EQ(resultant(f, ExactPolynomial(Integers{-7})), -343);
+  EXPECT_EQ(resultant(ExactPolynomial(Integers{-7}), f), -343);
+  EXPECT_EQ(resultant(f, ExactPolynomial()), 0);
+  // A remainder that drops two degrees at once: x^4 - 1 and x^3 + 2.
+  EXPECT_EQ(resultant(ExactPolynomial(Integers{-1, 0, 0, 0, 1}), ExactPolynomial(Integers{2, 0, 0, 1})), 15);
+}
+
+TEST(ExactPolynomial, AnImagePolynomialHasTheValuesAtTheRoots) {
+  // (x^2 - 2)(x - 3) and x^2: 2 twice and 9.
+  const ExactPolynomial f(Integers{6, -2, -3, 1}), square(Integers{0, 0, 1});
+  EXPECT_EQ(image_polynomial(f, square).primitive_part(), ExactPolynomial(Integers{-36, 40, -13, 1}));
+}
+
+TEST(RealRoots, EqualImagesAreTold) {
+  // x^2 takes one value at both square roots of 2, and another one at the fourth root of 5 next to them.
+  const ExactPolynomial square(Integers{0, 0, 1});
+  const auto roots =
+      isolate_roots(ExactPolynomial(Integers{-2, 0, 1}) * ExactPolynomial(Integers{-5, 0, 0, 0, 1}) *
+                    ExactPolynomial(Integers{-1, 0, 1}));
+  ASSERT_EQ(roots.size(), 6U);
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t k = 0; k < 6; ++k)
+      EXPECT_EQ(have_equal_images(roots[i], roots[k], square), i == k || i + k == 5) << i << " " << k;
+  }
+  // A dyadic root, and one that is none.
+  const auto half = isolate_roots(ExactPolynomial(Integers{-3, 2}));
+  const auto other = isolate_roots(ExactPolynomial(Integers{-9, 4, 4}));
+  EXPECT_TRUE(have_equal_images(half[0], half[0], square));
+  EXPECT_FALSE(have_equal_images(half[0], other[0], square));
+  RealRoot refined = half[0];
+  refined.refine(-4);
+  const DyadicBounds bounds = bounds_at(square, refined);
+  EXPECT_EQ(bounds.lo, Dyadic(2.25));
+  EXPECT_EQ(bounds.hi, Dyadic(2.25));
+}
+
 TEST(ExactPolynomial, SquareFreeFactorsAreThoseMultipliedTogether) {
   Rng rng = seeded(5);
   for (int i = 0; i < 100; ++i) {
