@@ -564,6 +564,7 @@ BezierRevolution::BezierRevolution(const SurfaceSpec& spec) {
   for (const auto& p : points) {
     r.push_back(scale_by_power(p[0], -unit_));
     y.push_back(scale_by_power(p[1], -unit_));
+    control_points.push_back({p[0], p[1]});
   }
   profile = BezierProfile(std::move(r), std::move(y));
   regions.eps = {0x1p-40, 0x1p-44, 0x1p-40, 0x1p-24};

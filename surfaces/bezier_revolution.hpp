@@ -118,6 +118,8 @@ struct BezierRevolution {
 
   BezierProfile profile;
   BezierRegions regions;
+  std::vector<std::array<double, 2>>
+      control_points;  ///< (r, y) as given: the profile's underflow by its unit
 
  private:
   double size_ = 0;

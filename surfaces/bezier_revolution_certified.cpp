@@ -319,18 +319,34 @@ BezierInterval Builder::interval(const Station& a, const Station& b, bool rising
   return i;
 }
 
+/// Whether the profile in its own unit is the surface's, bit for bit.
+bool is_exact_in_unit(const BezierRevolution& surface) {
+  constexpr int kMostUnit = 1022;
+  if (std::abs(surface.unit()) >= kMostUnit) return false;
+  for (std::size_t i = 0; i < surface.control_points.size(); ++i) {
+    const auto [r, y] = surface.control_points[i];
+    if (scale_by_power(surface.profile.r[i], surface.unit()) != r) return false;
+    if (scale_by_power(surface.profile.y[i], surface.unit()) != y) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 BezierRevolutionCertified::BezierRevolutionCertified(const BezierRevolution& surface,
                                                      const Parameters& options)
-    : set_(Certified::instruction_set(options)) {
-  const BezierProfile& profile = surface.profile;
-  const int unit = surface.unit();
+    : unit_(surface.unit()), set_(Certified::instruction_set(options)) {
+  if (surface.profile.r.size() > BezierDoubleDouble::kMaxDegree + 1) return;
+  exact_.emplace(surface.control_points);
+  if (!is_exact_in_unit(surface)) return;
+  double_doubles_.emplace(surface.profile);
+  prepare_lanes(surface.profile, scale_by_power(surface.size(), -unit_));
+}
+
+void BezierRevolutionCertified::prepare_lanes(const BezierProfile& profile, double size) {
   for (const double y : profile.y) frame_.y_size = std::max(frame_.y_size, std::fabs(y));
-  const double size = scale_by_power(surface.size(), -unit);
   frame_.degree = profile.r.size() - 1;
-  const bool suits = !profile.flat && frame_.degree <= kMaxBezierDegree && frame_.y_size <= 2 * size;
-  if (!suits || unit <= -1022 || unit >= 1022) return;
+  if (profile.flat || frame_.degree > kMaxBezierDegree || frame_.y_size > 2 * size) return;
   for (const MonotonePiece& piece : profile.pieces) {
     if (!add_track(profile, piece)) {
       intervals_.clear();
@@ -338,7 +354,7 @@ BezierRevolutionCertified::BezierRevolutionCertified(const BezierRevolution& sur
     }
   }
   for (const BezierInterval& interval : intervals_) frame_.g_most = std::max(frame_.g_most, interval.g_most);
-  frame_.inverse_unit = power_of_two(-unit);
+  frame_.inverse_unit = power_of_two(-unit_);
   frame_.middle = 0.5 * (profile.cylinder.y_lo + profile.cylinder.y_hi);
 }
 
@@ -373,7 +389,15 @@ void BezierRevolutionCertified::intersect(std::span<const Ray> rays, bool all, K
   BezierAnswers to{.hits = &answers.hits[first]};
   for (std::size_t k = 0; k < BezierAnswers::kMost; ++k) to.l[k] = &answers.l[k][first];
   std::fill_n(to.hits, rays.size(), KernelAnswers::kOpen);
-  if (intervals_.empty()) return;
+  if (!intervals_.empty()) run_lanes(rays, all, to);
+  if (!exact_) return;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (to.hits[i] == KernelAnswers::kOpen && is_valid(rays[i])) decide(rays[i], all, answers, first + i);
+  }
+}
+
+void BezierRevolutionCertified::run_lanes(std::span<const Ray> rays, bool all,
+                                          const BezierAnswers& to) const {
   BezierBatch batch = frame_;
   batch.rays = rays.data();
   batch.count = rays.size();
@@ -386,6 +410,39 @@ void BezierRevolutionCertified::intersect(std::span<const Ray> rays, bool all, K
   if (set_ == InstructionSet::avx2) return avx2::intersect_bezier(batch, to);
 #endif
   baseline::intersect_bezier(batch, to);
+}
+
+/// The middle tier; false: nothing is proved.
+bool BezierRevolutionCertified::find_in_double_doubles(const Ray& ray, bool all, HitsOfRay& hits) const {
+  if (!double_doubles_) return false;
+  const LocalRay local = to_unit(ray, unit_);
+  // What the change of units rounds is left to the last tier.
+  if (scale_by_power(local.o, unit_) != ray.o) return false;
+  if (scale_by_power(local.d, unit_ - local.l_exponent) != ray.d) return false;
+  BezierDoubleDouble::Hits found;
+  if (!double_doubles_->find(local.o, local.d, found)) return false;
+  if (!all) found.count = std::min<std::size_t>(found.count, 1);
+  for (std::size_t k = 0; k < found.count; ++k) {
+    const BezierDoubleDouble::Hit& hit = found.list[k];
+    if (!hits.add(scale_by_power(hit.l.hi, local.l_exponent), hit.multiplicity)) return false;
+  }
+  return true;
+}
+
+/// The rays that doubles leave. Every question has an answer, but for a ray inside the surface and an l out
+/// of the range of double.
+void BezierRevolutionCertified::decide(const Ray& ray, bool all, KernelAnswers& answers,
+                                       std::size_t at) const {
+  HitsOfRay fast(answers, at);
+  if (find_in_double_doubles(ray, all, fast)) return fast.close(2);
+  ExactBezierRevolution::Hits found = exact_->hits(ray);
+  if (!found) return;
+  HitsOfRay hits(answers, at);
+  for (ExactBezierHit& hit : *found) {
+    if (!hits.add(hit.l.to_double(), std::min(hit.multiplicity, 2U))) return;
+    if (!all) break;
+  }
+  hits.close(3);
 }
 
 }  // namespace graze

@@ -1,22 +1,27 @@
 // The kernel of Bezier profiles for `certified`: many rays at once, each answer proved.
 //
 // solves    x^2 + z^2 = R(t)^2, y = Y(t) along the ray, l > 0, rays in batches
-// needs     finite rays; degree at most 8, heights within twice the size of 0, Y not constant: what is
-//           beyond, and what is no question, is left open
-// returns   by ray: the proved number of hits (at most 4) and their l; open (-1) where double arithmetic
-//           proves nothing: the solver's own tiers answer those
+// needs     finite rays; degree at most 16. Doubles: degree at most 8, heights within twice the size of 0, Y
+// not
+//           constant; double-doubles: rays that climb; the rest and what these leave are for exact integers
+// returns   by ray: the proved number of hits and their l; open (-1): what is no question, rays that run
+// inside
+//           the surface, higher degrees, an l out of the range of double
 // error     of l: measured, at most 4 condition units, eps (|l| + L/|n.d|); proof of the count and error
 //           analysis: surfaces/bezier_revolution.md, "Kernel"
-// cost      surfaces/bezier_revolution.md; allocates when it is built
+// cost      surfaces/bezier_revolution.md; allocates when it is built, and in the exact tier
 // source    graze; ratios of Bernstein polynomials: Farin, "Curves and Surfaces for CAGD", chapter 13
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include <graze/solvers/math/instruction_set.hpp>
 #include <graze/surfaces/bezier_revolution.hpp>
+#include <graze/surfaces/bezier_revolution_double_double.hpp>
+#include <graze/surfaces/bezier_revolution_exact.hpp>
 #include <graze/surfaces/bezier_revolution_lanes.hpp>
 #include <graze/surfaces/kernel.hpp>
 
@@ -32,9 +37,16 @@ class BezierRevolutionCertified {
   void intersect(std::span<const Ray> rays, bool all, KernelAnswers& answers, std::size_t first) const;
 
  private:
+  void prepare_lanes(const BezierProfile& profile, double size);
   bool add_track(const BezierProfile& profile, const MonotonePiece& piece);
+  void run_lanes(std::span<const Ray> rays, bool all, const BezierAnswers& to) const;
+  [[nodiscard]] bool find_in_double_doubles(const Ray& ray, bool all, HitsOfRay& hits) const;
+  void decide(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const;
 
-  std::vector<BezierInterval> intervals_;  ///< none: all rays are left open
+  int unit_;
+  std::optional<BezierDoubleDouble> double_doubles_;  ///< where the profile's own unit is no underflow
+  std::optional<ExactBezierRevolution> exact_;
+  std::vector<BezierInterval> intervals_;  ///< none: no ray is answered by lanes
   std::vector<BezierTrack> tracks_;
   BezierBatch frame_;  ///< all but the rays
   InstructionSet set_;

@@ -1,0 +1,326 @@
+#include <graze/surfaces/bezier_revolution_double_double.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <graze/solvers/math/bernstein.hpp>
+#include <graze/solvers/math/big_integer.hpp>
+
+namespace graze {
+namespace {
+
+using Ball = DoubleDoubleBall;
+
+constexpr std::size_t kSize = 2 * BezierDoubleDouble::kMaxDegree + 1;
+constexpr double kLeastPart = 0x1p-900;  // below, low parts of products and quotients may underflow
+constexpr double kRelative = 0x1p-103;   // 8 u^2: over the 5 u^2 of a product, the 3 u^2 of a quotient
+constexpr double kSlack = 1 + 0x1p-49;   // the bound's own roundings
+
+/// a b, exact but for underflow.
+Ball exact_product(double a, double b) {
+  if (a == 0 || b == 0) return {};
+  const DoubleDouble product = two_prod(a, b);
+  return {product, std::fabs(product.hi) < kLeastPart ? 0x1p-1000 : 0};
+}
+
+Ball quotient(const Ball& x, double y) {
+  if (x.is_exact_zero()) return {};
+  const DoubleDouble q = x.value() / y;
+  const double error = kSlack * (x.error() / std::fabs(y) + kRelative * std::fabs(q.hi));
+  return {q, std::fabs(q.hi) < kLeastPart ? std::max(error, 0x1p-900) : error};
+}
+
+/// -1, 1, or 0 where that is not known.
+int sign_of(const Ball& x) { return x.contains_zero() ? 0 : x.value().hi < 0 ? -1 : 1; }
+
+/// sum a_i t^i (1 - t)^(n - i): Bernstein coefficients times their binomials, Horner in 1 - t.
+Ball evaluate(std::span<const Ball> a, const Ball& t) {
+  const Ball s = Ball(1.0) - t;
+  Ball sum = a[0], power = t;
+  for (std::size_t i = 1; i < a.size(); ++i) {
+    sum = sum * s + a[i] * power;
+    power *= t;
+  }
+  return sum;
+}
+
+/// A polynomial in s on [0, 1], t = lo + length s.
+struct Cell {
+  std::array<Ball, kSize> c;
+  std::size_t size = 0;
+  Ball lo, length;
+  bool was_bent = false;  ///< it was made by splitting at an extremum
+
+  [[nodiscard]] std::span<const Ball> coefficients() const { return {c.data(), size}; }
+};
+
+/// Changes of sign, fewest and most within the bounds.
+SignVariations variations(const Cell& cell) {
+  int changes = 0, last = 0;
+  bool is_sure = true;
+  for (const Ball& x : cell.coefficients()) {
+    const int sign = sign_of(x);
+    is_sure = is_sure && (sign != 0 || x.is_exact_zero());
+    if (!is_sure) break;
+    if (sign == 0) continue;
+    changes += last != 0 && sign != last ? 1 : 0;
+    last = sign;
+  }
+  if (is_sure) return {changes, changes};
+  std::array<double, kSize> value, error;
+  for (std::size_t i = 0; i < cell.size; ++i) {
+    value[i] = cell.c[i].value().hi;
+    error[i] = kSlack * (cell.c[i].error() + std::fabs(cell.c[i].value().lo));
+  }
+  return sign_variations(std::span(value).first(cell.size), std::span(error).first(cell.size));
+}
+
+/// Value and slope of Bernstein coefficients in double: de Casteljau, of which no bound is asked.
+struct Slope {
+  double value = 0, slope = 0;
+};
+Slope slope_at(std::span<const double> b, double s) {
+  std::array<double, kSize> work;
+  std::copy(b.begin(), b.end(), work.begin());
+  std::size_t size = b.size();
+  for (; size > 2; --size) {
+    for (std::size_t i = 0; i + 1 < size; ++i) work[i] += s * (work[i + 1] - work[i]);
+  }
+  if (size == 1) return {work[0], 0};
+  const double rise = work[1] - work[0];
+  return {work[0] + s * rise, static_cast<double>(b.size() - 1) * rise};
+}
+
+/// About the root of b in (0, 1) where its sign changes, by Newton's method within a bracket. Needs: a change
+/// of sign between the ends.
+double approximate_root(std::span<const double> b) {
+  constexpr int kSteps = 60;
+  double lo = 0, hi = 1;
+  // Where the control polygon crosses zero.
+  std::size_t k = 0;
+  while (k + 2 < b.size() && (b[k] < 0) == (b[k + 1] < 0)) ++k;
+  const double share = b[k] / (b[k] - b[k + 1]);
+  double s = (static_cast<double>(k) + share) / static_cast<double>(b.size() - 1);
+  for (int step = 0; step < kSteps; ++step) {
+    if (!(s > lo && s < hi)) s = 0.5 * (lo + hi);
+    const Slope here = slope_at(b, s);
+    if (here.value == 0) return s;
+    ((here.value < 0) == (b.front() < 0) ? lo : hi) = s;
+    const double next = s - here.value / here.slope;
+    if (std::fabs(next - s) <= 0x1p-50 * s) return next > lo && next < hi ? next : s;
+    s = next;
+  }
+  return s;
+}
+
+/// Where the cell is split: at its extremum if it seems to have one, so that a pair of roots parts, or none
+/// is left; at its middle if that did not help before.
+double place_to_split(const Cell& cell, int changes) {
+  constexpr double kMiddle = 0.5;
+  if (changes != 2 || cell.was_bent || cell.size < 3) return kMiddle;
+  std::array<double, kSize> rises;
+  for (std::size_t i = 0; i + 1 < cell.size; ++i) rises[i] = (cell.c[i + 1].value() - cell.c[i].value()).hi;
+  const auto b = std::span<const double>(rises).first(cell.size - 1);
+  if ((b.front() < 0) == (b.back() < 0)) return kMiddle;
+  const double s = approximate_root(b);
+  return s > 0 && s < 1 ? s : kMiddle;
+}
+
+/// de Casteljau at s, which is exact: `cell` becomes the right part, the left one is returned.
+void split(Cell& cell, double s, Cell& left) {
+  const Ball share(s), other = Ball(1.0) - share;
+  left.size = cell.size;
+  left.c[0] = cell.c[0];
+  for (std::size_t level = 1; level < cell.size; ++level) {
+    for (std::size_t i = 0; i + level < cell.size; ++i) {
+      const Ball rise = cell.c[i + 1] - cell.c[i];
+      cell.c[i] = cell.c[i] + (s == 0.5 ? Ball(scaled(rise.value(), 0.5), 0.5 * rise.error()) : share * rise);
+    }
+    left.c[level] = cell.c[0];
+  }
+  left.lo = cell.lo;
+  left.length = cell.length * share;
+  cell.lo += left.length;
+  cell.length *= other;
+  left.was_bent = cell.was_bent = s != 0.5;
+}
+
+bool is_below(const Ball& a, const Ball& b) { return sign_of(b - a) > 0; }
+
+}  // namespace
+
+BezierDoubleDouble::BezierDoubleDouble(const BezierProfile& profile)
+    : degree_(profile.r.size() - 1), middle_(0.5 * (profile.cylinder.y_lo + profile.cylinder.y_hi)) {
+  if (degree_ > kMaxDegree) return;
+  std::copy(profile.r.begin(), profile.r.end(), r_.begin());
+  std::copy(profile.y.begin(), profile.y.end(), y_.begin());
+  const auto n = static_cast<int>(degree_);
+  for (int i = 0; i <= n; ++i) choose_[static_cast<std::size_t>(i)] = binomial(n, i);
+}
+
+/// One line's equation.
+class BezierDoubleDouble::Line {
+ public:
+  Line(const BezierDoubleDouble& profile, Vec3 o, Vec3 d);
+  [[nodiscard]] bool find(Hits& hits);
+
+ private:
+  [[nodiscard]] bool passes_through(std::size_t end) const;
+  [[nodiscard]] bool start(Cell& cell, Hits& hits);
+  [[nodiscard]] bool add_root(const Cell& cell, Hits& hits) const;
+  [[nodiscard]] bool add_hit(const Ball& rise, std::uint32_t multiplicity, Hits& hits) const;
+  [[nodiscard]] Ball equation(const Ball& t) const;
+  [[nodiscard]] std::span<const Ball> part(const std::array<Ball, kMaxDegree + 1>& a) const {
+    return {a.data(), profile_.degree_ + 1};
+  }
+
+  const BezierDoubleDouble& profile_;
+  Vec3 o_, d_;
+  double centre_ = 0;
+  std::array<Ball, kMaxDegree + 1> r_, x_, z_, rise_;  ///< d_y R, the equation's vector, Y - p_y
+  int poles_[2] = {0, 0};                              ///< powers of t and 1 - t taken out
+};
+
+BezierDoubleDouble::Line::Line(const BezierDoubleDouble& profile, Vec3 o, Vec3 d)
+    : profile_(profile), o_(o), d_(d) {
+  // Any double near the closest approach will do.
+  const Vec3 middle{0, profile.middle_, 0};
+  const double centre = dot(middle - o, d) / dot(d, d);
+  if (std::isfinite(centre)) centre_ = centre;
+  const auto point = [&](double from, double along) { return exact_product(centre_, along) + Ball(from); };
+  const Ball px = point(o.x, d.x), py = point(o.y, d.y), pz = point(o.z, d.z);
+  const Ball dx(d.x), dy(d.y), dz(d.z), cx = dy * px, cz = dy * pz;
+  for (std::size_t i = 0; i <= profile.degree_; ++i) {
+    const Ball choose(profile.choose_[i]), rise = Ball(profile.y_[i]) - py;
+    r_[i] = choose * exact_product(d.y, profile.r_[i]);
+    x_[i] = choose * (dx * rise + cx);
+    z_[i] = choose * (dz * rise + cz);
+    rise_[i] = choose * rise;
+  }
+}
+
+/// Whether the line meets the profile's end on the axis, exactly.
+bool BezierDoubleDouble::Line::passes_through(std::size_t end) const {
+  if (profile_.r_[end] != 0 || sign_of(x_[end]) != 0 || sign_of(z_[end]) != 0) return false;
+  const Dyadic rise = Dyadic(profile_.y_[end]) - Dyadic(o_.y), dy(d_.y);
+  return (dy * Dyadic(o_.x) + rise * Dyadic(d_.x)).is_zero() &&
+         (dy * Dyadic(o_.z) + rise * Dyadic(d_.z)).is_zero();
+}
+
+/// The equation's coefficients on [0, 1], without the double roots at poles that the line passes through:
+/// those are hits.
+bool BezierDoubleDouble::Line::start(Cell& cell, Hits& hits) {
+  const std::size_t n = profile_.degree_;
+  for (const std::size_t end : {std::size_t{0}, n}) {
+    if (!passes_through(end)) continue;
+    x_[end] = z_[end] = {};
+    poles_[end == 0 ? 0 : 1] = 2;
+  }
+  std::array<Ball, kSize> e;
+  for (std::size_t i = 0; i <= n; ++i) {
+    for (std::size_t k = i; k <= n; ++k) {
+      const Ball product = r_[i] * r_[k] - x_[i] * x_[k] - z_[i] * z_[k];
+      e[i + k] += k == i ? product : product + product;
+    }
+  }
+  const auto below = static_cast<std::size_t>(poles_[0]), above = static_cast<std::size_t>(poles_[1]);
+  if (2 * n < below + above) return false;
+  cell.size = 2 * n + 1 - below - above;
+  const auto degree = static_cast<int>(cell.size - 1);
+  for (std::size_t k = 0; k < cell.size; ++k)
+    cell.c[k] = quotient(e[k + below], binomial(degree, static_cast<int>(k)));
+  cell.lo = Ball(0.0);
+  cell.length = Ball(1.0);
+  cell.was_bent = false;
+  for (const std::size_t end : {std::size_t{0}, n}) {
+    if (poles_[end == 0 ? 0 : 1] == 0) continue;
+    // Beside a pole the equation is positive inside the body.
+    const int inside = sign_of(end == 0 ? cell.c[0] : cell.c[cell.size - 1]);
+    if (inside == 0 || !add_hit(rise_[end], inside > 0 ? 1 : 2, hits)) return false;
+  }
+  return true;
+}
+
+Ball BezierDoubleDouble::Line::equation(const Ball& t) const {
+  return sqr(evaluate(part(r_), t)) - sqr(evaluate(part(x_), t)) - sqr(evaluate(part(z_), t));
+}
+
+/// A hit at l = centre + rise / d_y, if that is ahead of the origin; false where it is not known well enough.
+bool BezierDoubleDouble::Line::add_hit(const Ball& rise, std::uint32_t multiplicity, Hits& hits) const {
+  const Ball l = Ball(centre_) + quotient(rise, d_.y);
+  const int sign = sign_of(l);
+  if (sign < 0) return true;
+  if (sign == 0 || !(l.error() <= 0x1p-54 * (l.value().hi + 0.25)) || hits.count == kMaxHits) return false;
+  std::size_t k = hits.count++;
+  for (; k > 0 && l.value() < hits.list[k - 1].l; --k) hits.list[k] = hits.list[k - 1];
+  hits.list[k] = {l.value(), l.error(), multiplicity};
+  return true;
+}
+
+/// The cell's only root: approximated, then between two places of opposite signs within the cell.
+bool BezierDoubleDouble::Line::add_root(const Cell& cell, Hits& hits) const {
+  constexpr int kSteps = 8, kWiden = 24;
+  std::array<double, kSize> b;
+  for (std::size_t i = 0; i < cell.size; ++i) b[i] = cell.c[i].value().hi;
+  const auto coefficients = std::span<const double>(b).first(cell.size);
+  const double s = approximate_root(coefficients);
+  DoubleDouble t = (cell.lo + cell.length * Ball(s)).value();
+  // The cell's polynomial lacks the roots at the poles.
+  const double below = poles_[0] == 0 ? 1 : t.hi * t.hi;
+  const double above = poles_[1] == 0 ? 1 : (1 - t.hi) * (1 - t.hi);
+  const double slope = slope_at(coefficients, s).slope / cell.length.value().hi * below * above;
+  double width = 0x1p-100 * t.hi;
+  for (int step = 0; step < kSteps; ++step) {
+    const Ball here = equation(Ball(t));
+    const double move = here.value().hi / slope;
+    t = t - here.value() / slope;
+    const double noise = 2 * here.error() / std::fabs(slope) + 0x1p-100 * std::fabs(t.hi);
+    width = std::max(noise, 0x1p-20 * std::fabs(move));
+    if (!(std::fabs(move) > 16 * noise)) break;
+  }
+  const int left = slope > 0 ? -1 : 1;
+  const Ball end = cell.lo + cell.length;
+  for (int k = 0; k < kWiden && std::isfinite(width); ++k, width *= 4) {
+    const DoubleDouble from = t - width, to = t + width;
+    if (!is_below(cell.lo, Ball(from)) || !is_below(Ball(to), end)) return false;
+    if (sign_of(equation(Ball(from))) != left || sign_of(equation(Ball(to))) != -left) continue;
+    // from and to are rounded by less than 2^-5 of the width.
+    return add_hit(evaluate(part(rise_), Ball(t, 1.0625 * width)), 1, hits);
+  }
+  return false;
+}
+
+bool BezierDoubleDouble::Line::find(Hits& hits) {
+  constexpr std::size_t kStack = 40;
+  constexpr int kMostCells = 160;
+  std::array<Cell, kStack> open;
+  if (!start(open[0], hits)) return false;
+  std::size_t count = 1;
+  for (int cells = 0; count > 0; ++cells) {
+    Cell& cell = open[count - 1];
+    const SignVariations changes = variations(cell);
+    if (changes.upper == 0) {
+      --count;
+    } else if (changes.upper == 1 && changes.lower == 1) {
+      if (!add_root(cell, hits)) return false;
+      --count;
+    } else {
+      if (count == kStack || cells == kMostCells) return false;
+      split(cell, place_to_split(cell, changes.upper), open[count++]);
+    }
+  }
+  // Neighbours whose enclosures meet may be one point.
+  for (std::size_t k = 0; k + 1 < hits.count; ++k) {
+    const Hit &a = hits.list[k], &b = hits.list[k + 1];
+    if (!((b.l - a.l).hi > 2 * (a.error + b.error))) return false;
+  }
+  return true;
+}
+
+bool BezierDoubleDouble::find(Vec3 o, Vec3 d, Hits& hits) const {
+  hits.count = 0;
+  if (degree_ > kMaxDegree || d.y == 0) return false;
+  return Line(*this, o, d).find(hits);
+}
+
+}  // namespace graze
