@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <graze/solvers/math/bernstein.hpp>
 #include <graze/solvers/math/big_integer.hpp>
@@ -15,6 +16,10 @@ constexpr std::size_t kSize = 2 * BezierDoubleDouble::kMaxDegree + 1;
 constexpr double kLeastPart = 0x1p-900;  // below, low parts of products and quotients may underflow
 constexpr double kRelative = 0x1p-103;   // 8 u^2: over the 5 u^2 of a product, the 3 u^2 of a quotient
 constexpr double kSlack = 1 + 0x1p-49;   // the bound's own roundings
+constexpr double kMostError = 0x1p-54;   // of l, in units of l and the body's size
+// A level line's |d_xz| is at least 1 and R at most 2, so that the body lies within 2 of the closest
+// approach, and that within 2^-50 |centre| of the centre.
+constexpr double kReach = 4, kMostCentre = 0x1p50;
 
 /// a b, exact but for underflow.
 Ball exact_product(double a, double b) {
@@ -29,6 +34,23 @@ Ball quotient(const Ball& x, double y) {
   const double error = kSlack * (x.error() / std::fabs(y) + kRelative * std::fabs(q.hi));
   return {q, std::fabs(q.hi) < kLeastPart ? std::max(error, 0x1p-900) : error};
 }
+
+/// Needs: y apart from zero.
+Ball quotient(const Ball& x, const Ball& y) {
+  const DoubleDouble q = x.value() / y.value();
+  const double size = std::fabs(q.hi), least = std::fabs(y.value().hi) - 2 * y.error();
+  // 15 u^2 of the division.
+  return {q, kSlack * ((x.error() + size * y.error()) / least + 4 * kRelative * size)};
+}
+
+/// Needs: x > 0.
+Ball root(const Ball& x) {
+  const DoubleDouble r = sqrt(x.value());
+  return {r, kSlack * (x.error() / r.hi + kRelative * r.hi)};
+}
+
+/// A bound of |x|.
+double most(const Ball& x) { return kSlack * (std::fabs(x.value().hi) + x.error()); }
 
 /// -1, 1, or 0 where that is not known.
 int sign_of(const Ball& x) { return x.contains_zero() ? 0 : x.value().hi < 0 ? -1 : 1; }
@@ -147,6 +169,73 @@ void split(Cell& cell, double s, Cell& left) {
 
 bool is_below(const Ball& a, const Ball& b) { return sign_of(b - a) > 0; }
 
+/// Calls add_root(cell) for cells with one root each, which are all roots in [0, 1]; false where they are not
+/// told apart, or a root may be an end.
+template <class AddRoot>
+bool isolate(const Cell& whole, const AddRoot& add_root) {
+  constexpr std::size_t kStack = 40;
+  constexpr int kMostCells = 100;
+  if (sign_of(whole.c[0]) == 0 || sign_of(whole.c[whole.size - 1]) == 0) return false;
+  std::array<Cell, kStack> open;
+  open[0] = whole;
+  std::size_t count = 1;
+  for (int cells = 0; count > 0; ++cells) {
+    Cell& cell = open[count - 1];
+    const SignVariations changes = variations(cell);
+    if (changes.upper == 0) {
+      --count;
+    } else if (changes.upper == 1 && changes.lower == 1) {
+      if (!add_root(cell)) return false;
+      --count;
+    } else {
+      if (count == kStack || cells == kMostCells) return false;
+      split(cell, place_to_split(cell, changes.upper), open[count++]);
+    }
+  }
+  return true;
+}
+
+/// The cell's only root, between two places of the cell where `equation` has opposite signs. `weight`, of t:
+/// about the equation over the cell's polynomial.
+template <class Equation, class Weight>
+std::optional<Ball> bracket(const Cell& cell, const Equation& equation, const Weight& weight) {
+  constexpr int kSteps = 8, kWiden = 24;
+  std::array<double, kSize> b;
+  for (std::size_t i = 0; i < cell.size; ++i) b[i] = cell.c[i].value().hi;
+  const auto coefficients = std::span<const double>(b).first(cell.size);
+  const double s = approximate_root(coefficients);
+  DoubleDouble t = (cell.lo + cell.length * Ball(s)).value();
+  const double slope = slope_at(coefficients, s).slope / cell.length.value().hi * weight(t.hi);
+  double width = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    const Ball here = equation(Ball(t));
+    const double move = here.value().hi / slope;
+    t = t - here.value() / slope;
+    const double noise = 2 * here.error() / std::fabs(slope) + 0x1p-100 * std::fabs(t.hi);
+    width = std::max(noise, 0x1p-20 * std::fabs(move));
+    if (!(std::fabs(move) > 16 * noise)) break;
+  }
+  const int left = slope > 0 ? -1 : 1;
+  const Ball end = cell.lo + cell.length;
+  for (int k = 0; k < kWiden && std::isfinite(width); ++k, width *= 4) {
+    const DoubleDouble from = t - width, to = t + width;
+    if (!is_below(cell.lo, Ball(from)) || !is_below(Ball(to), end)) return std::nullopt;
+    if (sign_of(equation(Ball(from))) != left || sign_of(equation(Ball(to))) != -left) continue;
+    // from and to are rounded by less than 2^-5 of the width.
+    return Ball(t, 1.0625 * width);
+  }
+  return std::nullopt;
+}
+
+/// Neighbours whose enclosures meet may be one point.
+bool are_apart(const BezierDoubleDouble::Hits& hits) {
+  for (std::size_t k = 0; k + 1 < hits.count; ++k) {
+    const BezierDoubleDouble::Hit &a = hits.list[k], &b = hits.list[k + 1];
+    if (!((b.l - a.l).hi > 2 * (a.error + b.error))) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 BezierDoubleDouble::BezierDoubleDouble(const BezierProfile& profile)
@@ -158,44 +247,50 @@ BezierDoubleDouble::BezierDoubleDouble(const BezierProfile& profile)
   for (int i = 0; i <= n; ++i) choose_[static_cast<std::size_t>(i)] = binomial(n, i);
 }
 
-/// One line's equation.
+/// One line and the profile, recentred.
 class BezierDoubleDouble::Line {
  public:
-  Line(const BezierDoubleDouble& profile, Vec3 o, Vec3 d);
-  [[nodiscard]] bool find(Hits& hits);
+  Line(const BezierDoubleDouble& profile, Vec3 o, Vec3 d, double centre);
+  [[nodiscard]] bool climb(Hits& hits);
+  [[nodiscard]] bool run_level(Hits& hits) const;
 
  private:
+  /// Two places of a level line at one height: delta = (-+ root(discriminant) - b) / a.
+  struct Circle {
+    Ball t, r, discriminant;
+  };
+
   [[nodiscard]] bool passes_through(std::size_t end) const;
   [[nodiscard]] bool start(Cell& cell, Hits& hits);
-  [[nodiscard]] bool add_root(const Cell& cell, Hits& hits) const;
-  [[nodiscard]] bool add_hit(const Ball& rise, std::uint32_t multiplicity, Hits& hits) const;
+  [[nodiscard]] bool add_hit(const Ball& delta, std::uint32_t multiplicity, Hits& hits) const;
   [[nodiscard]] Ball equation(const Ball& t) const;
+  [[nodiscard]] std::optional<Circle> circle(const Cell& cell, const Ball& height) const;
+  [[nodiscard]] bool turns_less(const Circle& circle) const;
+  [[nodiscard]] Ball delta(const Circle& circle, int side) const;
+  [[nodiscard]] bool add_circle(const Cell& cell, Hits& hits) const;
+  [[nodiscard]] bool add_crossing(const Cell& cell, Circle here, int side, Hits& hits) const;
   [[nodiscard]] std::span<const Ball> part(const std::array<Ball, kMaxDegree + 1>& a) const {
     return {a.data(), profile_.degree_ + 1};
   }
 
   const BezierDoubleDouble& profile_;
   Vec3 o_, d_;
-  double centre_ = 0;
-  std::array<Ball, kMaxDegree + 1> r_, x_, z_, rise_;  ///< d_y R, the equation's vector, Y - p_y
+  double centre_;
+  Ball px_, py_, pz_;
+  std::array<Ball, kMaxDegree + 1> r_, x_, z_, rise_;  ///< R, the equation's vector, Y - p_y
   int poles_[2] = {0, 0};                              ///< powers of t and 1 - t taken out
 };
 
-BezierDoubleDouble::Line::Line(const BezierDoubleDouble& profile, Vec3 o, Vec3 d)
-    : profile_(profile), o_(o), d_(d) {
-  // Any double near the closest approach will do.
-  const Vec3 middle{0, profile.middle_, 0};
-  const double centre = dot(middle - o, d) / dot(d, d);
-  if (std::isfinite(centre)) centre_ = centre;
+BezierDoubleDouble::Line::Line(const BezierDoubleDouble& profile, Vec3 o, Vec3 d, double centre)
+    : profile_(profile), o_(o), d_(d), centre_(std::isfinite(centre) ? centre : 0) {
   const auto point = [&](double from, double along) { return exact_product(centre_, along) + Ball(from); };
-  const Ball px = point(o.x, d.x), py = point(o.y, d.y), pz = point(o.z, d.z);
-  const Ball dx(d.x), dy(d.y), dz(d.z), cx = dy * px, cz = dy * pz;
+  px_ = point(o.x, d.x);
+  py_ = point(o.y, d.y);
+  pz_ = point(o.z, d.z);
   for (std::size_t i = 0; i <= profile.degree_; ++i) {
-    const Ball choose(profile.choose_[i]), rise = Ball(profile.y_[i]) - py;
-    r_[i] = choose * exact_product(d.y, profile.r_[i]);
-    x_[i] = choose * (dx * rise + cx);
-    z_[i] = choose * (dz * rise + cz);
-    rise_[i] = choose * rise;
+    const double choose = profile.choose_[i];
+    r_[i] = exact_product(choose, profile.r_[i]);
+    rise_[i] = Ball(choose) * (Ball(profile.y_[i]) - py_);
   }
 }
 
@@ -211,116 +306,152 @@ bool BezierDoubleDouble::Line::passes_through(std::size_t end) const {
 /// those are hits.
 bool BezierDoubleDouble::Line::start(Cell& cell, Hits& hits) {
   const std::size_t n = profile_.degree_;
+  const Ball dx(d_.x), dy(d_.y), dz(d_.z), cx = dy * px_, cz = dy * pz_;
+  for (std::size_t i = 0; i <= n; ++i) {
+    const Ball choose(profile_.choose_[i]);
+    x_[i] = dx * rise_[i] + choose * cx;
+    z_[i] = dz * rise_[i] + choose * cz;
+  }
   for (const std::size_t end : {std::size_t{0}, n}) {
     if (!passes_through(end)) continue;
     x_[end] = z_[end] = {};
     poles_[end == 0 ? 0 : 1] = 2;
   }
   std::array<Ball, kSize> e;
+  const Ball dy_squared = sqr(dy);
   for (std::size_t i = 0; i <= n; ++i) {
     for (std::size_t k = i; k <= n; ++k) {
-      const Ball product = r_[i] * r_[k] - x_[i] * x_[k] - z_[i] * z_[k];
+      const Ball product = dy_squared * (r_[i] * r_[k]) - x_[i] * x_[k] - z_[i] * z_[k];
       e[i + k] += k == i ? product : product + product;
     }
   }
   const auto below = static_cast<std::size_t>(poles_[0]), above = static_cast<std::size_t>(poles_[1]);
-  if (2 * n < below + above) return false;
   cell.size = 2 * n + 1 - below - above;
+  if (cell.size > kSize) return false;
   const auto degree = static_cast<int>(cell.size - 1);
   for (std::size_t k = 0; k < cell.size; ++k)
     cell.c[k] = quotient(e[k + below], binomial(degree, static_cast<int>(k)));
-  cell.lo = Ball(0.0);
   cell.length = Ball(1.0);
-  cell.was_bent = false;
   for (const std::size_t end : {std::size_t{0}, n}) {
     if (poles_[end == 0 ? 0 : 1] == 0) continue;
     // Beside a pole the equation is positive inside the body.
     const int inside = sign_of(end == 0 ? cell.c[0] : cell.c[cell.size - 1]);
-    if (inside == 0 || !add_hit(rise_[end], inside > 0 ? 1 : 2, hits)) return false;
+    if (inside == 0 || !add_hit(quotient(rise_[end], d_.y), inside > 0 ? 1 : 2, hits)) return false;
   }
   return true;
 }
 
 Ball BezierDoubleDouble::Line::equation(const Ball& t) const {
-  return sqr(evaluate(part(r_), t)) - sqr(evaluate(part(x_), t)) - sqr(evaluate(part(z_), t));
+  return sqr(Ball(d_.y) * evaluate(part(r_), t)) - sqr(evaluate(part(x_), t)) - sqr(evaluate(part(z_), t));
 }
 
-/// A hit at l = centre + rise / d_y, if that is ahead of the origin; false where it is not known well enough.
-bool BezierDoubleDouble::Line::add_hit(const Ball& rise, std::uint32_t multiplicity, Hits& hits) const {
-  const Ball l = Ball(centre_) + quotient(rise, d_.y);
+/// A hit at l = centre + delta, if that is ahead of the origin; false where it is not known well enough.
+bool BezierDoubleDouble::Line::add_hit(const Ball& delta, std::uint32_t multiplicity, Hits& hits) const {
+  const Ball l = Ball(centre_) + delta;
   const int sign = sign_of(l);
   if (sign < 0) return true;
-  if (sign == 0 || !(l.error() <= 0x1p-54 * (l.value().hi + 0.25)) || hits.count == kMaxHits) return false;
+  if (sign == 0 || !(l.error() <= kMostError * (l.value().hi + 0.25)) || hits.count == kMaxHits) return false;
   std::size_t k = hits.count++;
   for (; k > 0 && l.value() < hits.list[k - 1].l; --k) hits.list[k] = hits.list[k - 1];
   hits.list[k] = {l.value(), l.error(), multiplicity};
   return true;
 }
 
-/// The cell's only root: approximated, then between two places of opposite signs within the cell.
-bool BezierDoubleDouble::Line::add_root(const Cell& cell, Hits& hits) const {
-  constexpr int kSteps = 8, kWiden = 24;
-  std::array<double, kSize> b;
-  for (std::size_t i = 0; i < cell.size; ++i) b[i] = cell.c[i].value().hi;
-  const auto coefficients = std::span<const double>(b).first(cell.size);
-  const double s = approximate_root(coefficients);
-  DoubleDouble t = (cell.lo + cell.length * Ball(s)).value();
-  // The cell's polynomial lacks the roots at the poles.
-  const double below = poles_[0] == 0 ? 1 : t.hi * t.hi;
-  const double above = poles_[1] == 0 ? 1 : (1 - t.hi) * (1 - t.hi);
-  const double slope = slope_at(coefficients, s).slope / cell.length.value().hi * below * above;
-  double width = 0x1p-100 * t.hi;
-  for (int step = 0; step < kSteps; ++step) {
-    const Ball here = equation(Ball(t));
-    const double move = here.value().hi / slope;
-    t = t - here.value() / slope;
-    const double noise = 2 * here.error() / std::fabs(slope) + 0x1p-100 * std::fabs(t.hi);
-    width = std::max(noise, 0x1p-20 * std::fabs(move));
-    if (!(std::fabs(move) > 16 * noise)) break;
-  }
-  const int left = slope > 0 ? -1 : 1;
-  const Ball end = cell.lo + cell.length;
-  for (int k = 0; k < kWiden && std::isfinite(width); ++k, width *= 4) {
-    const DoubleDouble from = t - width, to = t + width;
-    if (!is_below(cell.lo, Ball(from)) || !is_below(Ball(to), end)) return false;
-    if (sign_of(equation(Ball(from))) != left || sign_of(equation(Ball(to))) != -left) continue;
-    // from and to are rounded by less than 2^-5 of the width.
-    return add_hit(evaluate(part(rise_), Ball(t, 1.0625 * width)), 1, hits);
-  }
-  return false;
+bool BezierDoubleDouble::Line::climb(Hits& hits) {
+  Cell whole;
+  if (!start(whole, hits)) return false;
+  // The cells' polynomials lack the roots at the poles.
+  const auto weight = [this](double t) {
+    return (poles_[0] == 0 ? 1 : t * t) * (poles_[1] == 0 ? 1 : (1 - t) * (1 - t));
+  };
+  const auto add_root = [&](const Cell& cell) {
+    const std::optional<Ball> t = bracket(
+        cell, [this](const Ball& at) { return equation(at); }, weight);
+    return t && add_hit(quotient(evaluate(part(rise_), *t), d_.y), 1, hits);
+  };
+  return isolate(whole, add_root) && are_apart(hits);
 }
 
-bool BezierDoubleDouble::Line::find(Hits& hits) {
-  constexpr std::size_t kStack = 40;
-  constexpr int kMostCells = 160;
-  std::array<Cell, kStack> open;
-  if (!start(open[0], hits)) return false;
-  std::size_t count = 1;
-  for (int cells = 0; count > 0; ++cells) {
-    Cell& cell = open[count - 1];
-    const SignVariations changes = variations(cell);
-    if (changes.upper == 0) {
-      --count;
-    } else if (changes.upper == 1 && changes.lower == 1) {
-      if (!add_root(cell, hits)) return false;
-      --count;
-    } else {
-      if (count == kStack || cells == kMostCells) return false;
-      split(cell, place_to_split(cell, changes.upper), open[count++]);
-    }
+/// Where the cell's part of the profile is at the height p_y + `height`, and the line's discriminant there.
+std::optional<BezierDoubleDouble::Line::Circle> BezierDoubleDouble::Line::circle(const Cell& cell,
+                                                                                 const Ball& height) const {
+  const auto rise = [&](const Ball& t) { return evaluate(part(rise_), t) - height; };
+  const std::optional<Ball> t = bracket(cell, rise, [](double) { return 1.0; });
+  if (!t) return std::nullopt;
+  const Ball dx(d_.x), dz(d_.z), r = evaluate(part(r_), *t);
+  return Circle{*t, r, (sqr(dx) + sqr(dz)) * sqr(r) - sqr(px_ * dz - pz_ * dx)};
+}
+
+/// |d(R^2)/dl| = |2 R R' / Y' d_y| is less than |d|x_xz|^2/dl| = 2 sqrt(discriminant): what the line meets
+/// there is one crossing.
+bool BezierDoubleDouble::Line::turns_less(const Circle& circle) const {
+  if (d_.y == 0) return true;
+  const std::size_t n = profile_.degree_;
+  std::array<Ball, kMaxDegree> dr, dy;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Ball choose(binomial(static_cast<int>(n - 1), static_cast<int>(i)));
+    dr[i] = choose * (Ball(profile_.r_[i + 1]) - Ball(profile_.r_[i]));
+    dy[i] = choose * (Ball(profile_.y_[i + 1]) - Ball(profile_.y_[i]));
   }
-  // Neighbours whose enclosures meet may be one point.
-  for (std::size_t k = 0; k + 1 < hits.count; ++k) {
-    const Hit &a = hits.list[k], &b = hits.list[k + 1];
-    if (!((b.l - a.l).hi > 2 * (a.error + b.error))) return false;
+  const Ball climb = evaluate(std::span<const Ball>(dy).first(n), circle.t);
+  const double r = most(circle.r) * most(evaluate(std::span<const Ball>(dr).first(n), circle.t));
+  const double least = std::fabs(climb.value().hi) - 2 * climb.error();
+  const double square = circle.discriminant.value().hi - 2 * circle.discriminant.error();
+  return least > 0 && square > 0 && 1.01 * r * std::fabs(d_.y) < least * std::sqrt(square);
+}
+
+Ball BezierDoubleDouble::Line::delta(const Circle& circle, int side) const {
+  const Ball dx(d_.x), dz(d_.z), half = root(circle.discriminant);
+  return quotient((side < 0 ? -half : half) - (px_ * dx + pz_ * dz), sqr(dx) + sqr(dz));
+}
+
+/// One of the two crossings: where the line climbs, each place tells the height better than the one before.
+bool BezierDoubleDouble::Line::add_crossing(const Cell& cell, Circle here, int side, Hits& hits) const {
+  constexpr int kSteps = 8;
+  Ball at = delta(here, side);
+  for (int step = 0; step < kSteps && at.error() > 0.25 * kMostError * (most(Ball(centre_) + at) + 0.25);
+       ++step) {
+    const std::optional<Circle> next = circle(cell, Ball(d_.y) * at);
+    if (!next || sign_of(next->discriminant) <= 0) return false;
+    at = delta(*next, side);
   }
-  return true;
+  return add_hit(at, 1, hits);
+}
+
+bool BezierDoubleDouble::Line::add_circle(const Cell& cell, Hits& hits) const {
+  const std::optional<Circle> here = circle(cell, Ball(DoubleDouble(), kReach * std::fabs(d_.y)));
+  if (!here) return false;
+  const int sign = sign_of(here->discriminant);
+  if (sign <= 0) return sign < 0;
+  return turns_less(*here) && add_crossing(cell, *here, -1, hits) && add_crossing(cell, *here, 1, hits);
+}
+
+/// A line that climbs little meets the body within `kReach` of the centre, at nearly one height: for each of
+/// the heights there Y has one root in each cell, at which it passes a circle.
+bool BezierDoubleDouble::Line::run_level(Hits& hits) const {
+  if (!(std::fabs(centre_) < kMostCentre)) return false;
+  Cell whole;
+  whole.size = profile_.degree_ + 1;
+  for (std::size_t i = 0; i < whole.size; ++i)
+    whole.c[i] = (Ball(profile_.y_[i]) - py_) - Ball(DoubleDouble(), kReach * std::fabs(d_.y));
+  whole.length = Ball(1.0);
+  return isolate(whole, [&](const Cell& cell) { return add_circle(cell, hits); }) && are_apart(hits);
 }
 
 bool BezierDoubleDouble::find(Vec3 o, Vec3 d, Hits& hits) const {
+  // Of level lines the heights are nearly one; below 2^-40 the equation in t keeps too few digits.
+  constexpr double kLevel = 0x1p-20, kFlat = 0x1p-40;
+  if (degree_ > kMaxDegree) return false;
   hits.count = 0;
-  if (degree_ > kMaxDegree || d.y == 0) return false;
-  return Line(*this, o, d).find(hits);
+  if (std::fabs(d.y) < kLevel) {
+    const double centre = -(o.x * d.x + o.z * d.z) / (d.x * d.x + d.z * d.z);
+    if (Line(*this, o, d, centre).run_level(hits)) return true;
+    hits.count = 0;
+    if (std::fabs(d.y) < kFlat) return false;
+  }
+  // Any double near the closest approach will do.
+  const Vec3 middle{0, middle_, 0};
+  return Line(*this, o, d, dot(middle - o, d) / dot(d, d)).climb(hits);
 }
 
 }  // namespace graze

@@ -8,11 +8,11 @@ namespace graze {
 
 KernelAnswers::Extremes KernelAnswers::extremes() const {
   Extremes all;
-  std::uint8_t touches = 0;
+  std::uint32_t touches = 0;
   for (const std::int8_t count : hits) all.fewest = std::min(all.fewest, count);
   for (const std::int8_t count : hits) all.most = std::max(all.most, count);
   for (const std::uint8_t one : tier) all.tier = std::max(all.tier, one);
-  for (const std::uint8_t one : touching) touches |= one;
+  for (const std::uint32_t one : touching) touches |= one;
   all.touches = touches != 0;
   return all;
 }

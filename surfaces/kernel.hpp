@@ -29,12 +29,13 @@ namespace graze {
 
 /// Proved answers of a batch, by position.
 struct KernelAnswers {
-  static constexpr std::size_t kMost = 4;  ///< hits of a ray
+  static constexpr std::size_t kMost = 4;   ///< hits of a ray that have their places in any batch
+  static constexpr std::size_t kMany = 32;  ///< hits of a ray, ever
   static constexpr std::int8_t kOpen = -1;
 
   std::vector<std::int8_t> hits;
-  std::array<std::vector<double>, kMost> l;  ///< ascending, in units of |d|; meaningful below `hits`
-  std::vector<std::uint8_t> touching;        ///< bit k: hit k touches (multiplicity 2)
+  std::array<std::vector<double>, kMany> l;  ///< ascending, in units of |d|; meaningful below `hits`
+  std::vector<std::uint32_t> touching;       ///< bit k: hit k touches (multiplicity 2)
   std::vector<std::uint8_t> tier;            ///< which arithmetic answered: Counters::tier
 
   [[nodiscard]] std::uint32_t multiplicity(std::size_t ray, int hit) const {
@@ -51,7 +52,7 @@ struct KernelAnswers {
     hits.resize(count);
     touching.assign(count, 0);
     tier.assign(count, 1);
-    for (std::vector<double>& one : l) one.resize(count);
+    for (std::size_t k = 0; k < kMost; ++k) l[k].resize(count);
   }
 };
 
@@ -68,12 +69,15 @@ class HitsOfRay {
 
   /// The next hit, ascending; false where l leaves the range of double or there are too many.
   [[nodiscard]] bool add(double l, std::uint32_t multiplicity) {
-    if (!(l > 0 && std::isfinite(l)) || count_ == KernelAnswers::kMost) return false;
+    if (!(l > 0 && std::isfinite(l)) || count_ == KernelAnswers::kMany) return false;
     // Two hits are two, also where both round to one double.
     if (count_ > 0 && l <= answers_.l[count_ - 1][at_])
       l = std::nextafter(answers_.l[count_ - 1][at_], std::numeric_limits<double>::infinity());
-    if (multiplicity == 2) touching_ |= static_cast<std::uint8_t>(1U << count_);
-    answers_.l[count_++][at_] = l;
+    if (multiplicity == 2) touching_ |= std::uint32_t{1} << count_;
+    // Few rays of few surfaces have that many: their places are made when the first of them comes.
+    std::vector<double>& place = answers_.l[count_++];
+    if (place.size() <= at_) place.resize(answers_.hits.size());
+    place[at_] = l;
     return true;
   }
   void close(std::uint8_t tier) {
@@ -86,7 +90,7 @@ class HitsOfRay {
   KernelAnswers& answers_;
   std::size_t at_;
   std::size_t count_ = 0;
-  std::uint8_t touching_ = 0;
+  std::uint32_t touching_ = 0;
 };
 
 /// Kernels of all surfaces of one group: one virtual call a batch.
