@@ -66,12 +66,18 @@ Ball evaluate(std::span<const Ball> a, const Ball& t) {
   return sum;
 }
 
+/// A place s of a cell, counted from the nearer end: 1 - s keeps its digits.
+struct Place {
+  double from_end = 0.5;
+  bool is_left = true;
+};
+
 /// A polynomial in s on [0, 1], t = lo + length s.
 struct Cell {
   std::array<Ball, kSize> c;
   std::size_t size = 0;
   Ball lo, length;
-  bool was_bent = false;  ///< it was made by splitting at an extremum
+  int bends = 0;  ///< splits at an extremum since the last one at the middle
 
   [[nodiscard]] std::span<const Ball> coefficients() const { return {c.data(), size}; }
 };
@@ -135,36 +141,54 @@ double approximate_root(std::span<const double> b) {
   return s;
 }
 
-/// Where the cell is split: at its extremum if it seems to have one, so that a pair of roots parts, or none
-/// is left; at its middle if that did not help before.
-double place_to_split(const Cell& cell, int changes) {
+/// The same, from the nearer end. `b` is turned round for the right one.
+Place place_of_root(std::span<double> b) {
   constexpr double kMiddle = 0.5;
-  if (changes != 2 || cell.was_bent || cell.size < 3) return kMiddle;
-  std::array<double, kSize> rises;
-  for (std::size_t i = 0; i + 1 < cell.size; ++i) rises[i] = (cell.c[i + 1].value() - cell.c[i].value()).hi;
-  const auto b = std::span<const double>(rises).first(cell.size - 1);
-  if ((b.front() < 0) == (b.back() < 0)) return kMiddle;
   const double s = approximate_root(b);
-  return s > 0 && s < 1 ? s : kMiddle;
+  if (s <= kMiddle) return {s, true};
+  std::reverse(b.begin(), b.end());
+  return {approximate_root(b), false};
 }
 
-/// de Casteljau at s, which is exact: `cell` becomes the right part, the left one is returned.
-void split(Cell& cell, double s, Cell& left) {
-  const Ball share(s), other = Ball(1.0) - share;
+/// Where the cell is split: at its extremum if it seems to have one, so that a pair of roots parts, or none
+/// is left; at its middle if that does not help.
+Place place_to_split(const Cell& cell, int changes) {
+  constexpr int kMostBends = 2;
+  if (changes != 2 || cell.bends == kMostBends || cell.size < 3) return {};
+  std::array<double, kSize> rises;
+  for (std::size_t i = 0; i + 1 < cell.size; ++i) rises[i] = (cell.c[i + 1].value() - cell.c[i].value()).hi;
+  const auto b = std::span<double>(rises).first(cell.size - 1);
+  if ((b.front() < 0) == (b.back() < 0)) return {};
+  const Place place = place_of_root(b);
+  return place.from_end > 0 && place.from_end < 1 ? place : Place();
+}
+
+/// near + share (far - near), 0 < share < 1. Errors are mixed as the values are: 3 and 2 u^2 of the second
+/// term, 3 of the sum.
+Ball mix(const Ball& near, const Ball& far, double share) {
+  const DoubleDouble part = (far.value() - near.value()) * share, sum = near.value() + part;
+  const double rounding = kRelative * (std::fabs(part.hi) + std::fabs(sum.hi));
+  const double floor = std::fabs(part.hi) < kLeastPart ? 0x1p-1000 : 0;
+  return {sum, kSlack * ((1 - share) * near.error() + share * far.error() + rounding) + floor};
+}
+
+/// de Casteljau at a place, which is exact: `cell` becomes the right part, `left` the left one.
+void split(Cell& cell, const Place& place, Cell& left) {
+  const Ball share(place.from_end), other = Ball(1.0) - share;
   left.size = cell.size;
   left.c[0] = cell.c[0];
   for (std::size_t level = 1; level < cell.size; ++level) {
     for (std::size_t i = 0; i + level < cell.size; ++i) {
-      const Ball rise = cell.c[i + 1] - cell.c[i];
-      cell.c[i] = cell.c[i] + (s == 0.5 ? Ball(scaled(rise.value(), 0.5), 0.5 * rise.error()) : share * rise);
+      const Ball &a = cell.c[i], &b = cell.c[i + 1];
+      cell.c[i] = place.is_left ? mix(a, b, place.from_end) : mix(b, a, place.from_end);
     }
     left.c[level] = cell.c[0];
   }
   left.lo = cell.lo;
-  left.length = cell.length * share;
+  left.length = cell.length * (place.is_left ? share : other);
   cell.lo += left.length;
-  cell.length *= other;
-  left.was_bent = cell.was_bent = s != 0.5;
+  cell.length *= place.is_left ? other : share;
+  left.bends = cell.bends = place.from_end == 0.5 ? 0 : cell.bends + 1;
 }
 
 bool is_below(const Ball& a, const Ball& b) { return sign_of(b - a) > 0; }
@@ -202,10 +226,12 @@ std::optional<Ball> bracket(const Cell& cell, const Equation& equation, const We
   constexpr int kSteps = 8, kWiden = 24;
   std::array<double, kSize> b;
   for (std::size_t i = 0; i < cell.size; ++i) b[i] = cell.c[i].value().hi;
-  const auto coefficients = std::span<const double>(b).first(cell.size);
-  const double s = approximate_root(coefficients);
-  DoubleDouble t = (cell.lo + cell.length * Ball(s)).value();
-  const double slope = slope_at(coefficients, s).slope / cell.length.value().hi * weight(t.hi);
+  const auto coefficients = std::span<double>(b).first(cell.size);
+  const Place place = place_of_root(coefficients);
+  const Ball end = cell.lo + cell.length, way = cell.length * Ball(place.from_end);
+  DoubleDouble t = (place.is_left ? cell.lo + way : end - way).value();
+  const double turned = slope_at(coefficients, place.from_end).slope / cell.length.value().hi;
+  const double slope = (place.is_left ? turned : -turned) * weight(t);
   double width = 0;
   for (int step = 0; step < kSteps; ++step) {
     const Ball here = equation(Ball(t));
@@ -216,7 +242,6 @@ std::optional<Ball> bracket(const Cell& cell, const Equation& equation, const We
     if (!(std::fabs(move) > 16 * noise)) break;
   }
   const int left = slope > 0 ? -1 : 1;
-  const Ball end = cell.lo + cell.length;
   for (int k = 0; k < kWiden && std::isfinite(width); ++k, width *= 4) {
     const DoubleDouble from = t - width, to = t + width;
     if (!is_below(cell.lo, Ball(from)) || !is_below(Ball(to), end)) return std::nullopt;
@@ -361,8 +386,9 @@ bool BezierDoubleDouble::Line::climb(Hits& hits) {
   Cell whole;
   if (!start(whole, hits)) return false;
   // The cells' polynomials lack the roots at the poles.
-  const auto weight = [this](double t) {
-    return (poles_[0] == 0 ? 1 : t * t) * (poles_[1] == 0 ? 1 : (1 - t) * (1 - t));
+  const auto weight = [this](const DoubleDouble& t) {
+    const double below = t.hi, above = (1 - t).hi;
+    return (poles_[0] == 0 ? 1 : below * below) * (poles_[1] == 0 ? 1 : above * above);
   };
   const auto add_root = [&](const Cell& cell) {
     const std::optional<Ball> t = bracket(
@@ -376,7 +402,7 @@ bool BezierDoubleDouble::Line::climb(Hits& hits) {
 std::optional<BezierDoubleDouble::Line::Circle> BezierDoubleDouble::Line::circle(const Cell& cell,
                                                                                  const Ball& height) const {
   const auto rise = [&](const Ball& t) { return evaluate(part(rise_), t) - height; };
-  const std::optional<Ball> t = bracket(cell, rise, [](double) { return 1.0; });
+  const std::optional<Ball> t = bracket(cell, rise, [](const DoubleDouble&) { return 1.0; });
   if (!t) return std::nullopt;
   const Ball dx(d_.x), dz(d_.z), r = evaluate(part(r_), *t);
   return Circle{*t, r, (sqr(dx) + sqr(dz)) * sqr(r) - sqr(px_ * dz - pz_ * dx)};

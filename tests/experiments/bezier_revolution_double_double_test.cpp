@@ -2,6 +2,8 @@
 // rays.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstdio>
 
 #include <graze/experiments/cases.hpp>
@@ -74,18 +76,19 @@ TEST_P(BezierDoubleDoubles, WhatIsProvedIsTrueAndMostOfAllRays) {
   const std::size_t count = kSanitized ? 10 : 50;
   std::size_t rays = 0, proved = 0;
   for (const CaseFamily& family : case_families()) {
-    // Flat rays of high degree, poles within the profile and the ends of the range are for the last tier.
+    // Poles within the profile and the ends of the range are for the last tier.
     if (!family.suits(model.landmarks()) || family.name == "scale" || family.name == "extreme") continue;
     std::size_t here = 0;
     for (const CaseRay& ray : make_block(family, model, kSeed, 0, count)) here += proves(ray.ray) ? 1U : 0U;
     rays += count;
     proved += here;
-    if (family.name == "camera" || family.name == "horizontal") {
-      EXPECT_GE(here * 10, 9 * count) << family.name;
+    if (family.name != "axis") {
+      EXPECT_GE(here * 10, 9 * count)
+          << family.name;  // on the axis a profile that crosses it has double roots
     }
   }
   std::printf("%s: %zu of %zu rays proved\n", GetParam().name.c_str(), proved, rays);
-  EXPECT_GE(proved * 10, 7 * rays);
+  EXPECT_GE(proved * 10, 9 * rays);
 }
 
 /// From level to steep, past the places where one way of asking gives way to the other.
@@ -101,7 +104,37 @@ TEST_P(BezierDoubleDoubles, LinesOfEverySlope) {
     }
   }
   std::printf("%s: %zu of %zu slopes proved\n", GetParam().name.c_str(), proved, rays);
-  EXPECT_GE(proved * 10, 8 * rays);
+  EXPECT_GE(proved * 10, 9 * rays);
+}
+
+/// No bar: the page's figures.
+TEST_P(BezierDoubleDoubles, TimesAreOnRecord) {
+  const SurfaceModel<BezierRevolution> model(bezier(GetParam().points));
+  std::vector<Ray> rays;
+  for (const CaseRay& ray : make_block(find_family("tangent"), model, kSeed, 0, kCaseBlock)) {
+    const LocalRay local = to_unit(ray.ray, surface_.unit());
+    rays.push_back({local.o, local.d});
+  }
+  const auto seconds = [&](const auto& answer) {
+    const auto start = std::chrono::steady_clock::now();
+    for (const Ray& ray : rays) answer(ray);
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  const auto in_double_doubles = [&](const Ray& ray) {
+    BezierDoubleDouble::Hits hits;
+    static_cast<void>(lines_.find(ray.o, ray.d, hits));
+  };
+  const auto in_integers = [&](const Ray& ray) {
+    ExactBezierRevolution::Hits hits = exact_.hits({scale_by_power(ray.o, surface_.unit()), ray.d});
+    for (ExactBezierHit& hit : *hits) static_cast<void>(hit.l.to_double());
+  };
+  double fast = 1e9, slow = 1e9;
+  for (int run = 0; run < 5; ++run) {
+    fast = std::min(fast, seconds(in_double_doubles));
+    slow = std::min(slow, seconds(in_integers));
+  }
+  std::printf("%s, tangent rays: double-doubles %.1f us a ray, exact integers %.1f times that\n",
+              GetParam().name.c_str(), 1e6 * fast / static_cast<double>(rays.size()), slow / fast);
 }
 
 INSTANTIATE_TEST_SUITE_P(Profiles, BezierDoubleDoubles, testing::ValuesIn(profiles()),

@@ -31,6 +31,7 @@ std::vector<Profile> profiles() {
           {"lens", {{0, 1}, {2, 1}, {0, 0.5}}},
           {"teardrop", teardrop_points(1)},
           {"waist", {{0, 0}, {4, 1}, {-2, 3}, {5, 2}, {0.5, 6}}},
+          {"vase", vase_points()},
           {"raised", {{0, 1}, {2, 1}, {3, 2}, {2, 3}, {0, 3}}},
           {"crossing", crossing_points()},
           {"seven", degree_seven_points()},
