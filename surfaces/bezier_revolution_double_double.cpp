@@ -119,16 +119,35 @@ Slope slope_at(std::span<const double> b, double s) {
   return {work[0] + s * rise, static_cast<double>(b.size() - 1) * rise};
 }
 
+/// Where the control polygon crosses zero. Needs: a change of sign between the ends.
+double polygon_root(std::span<const double> b) {
+  std::size_t k = 0;
+  while (k + 2 < b.size() && (b[k] < 0) == (b[k + 1] < 0)) ++k;
+  const double share = b[k] / (b[k] - b[k + 1]);
+  return (static_cast<double>(k) + share) / static_cast<double>(b.size() - 1);
+}
+
+/// The least positive root of the parabola that b osculates at 0, if it is below `most`; else `most`. One of
+/// two roots that are close is that near to it, where Newton's method would come down by halves.
+double parabola_root(std::span<const double> b, double most) {
+  if (b.size() < 3) return most;
+  const auto n = static_cast<double>(b.size() - 1);
+  const double c0 = b[0], c1 = n * (b[1] - b[0]), c2 = 0.5 * n * (n - 1) * (b[2] - 2 * b[1] + b[0]);
+  const double discriminant = c1 * c1 - 4 * c0 * c2;
+  if (!(discriminant >= 0)) return most;
+  const double q = -0.5 * (c1 + std::copysign(std::sqrt(discriminant), c1));
+  for (const double s : {q / c2, c0 / q}) {
+    if (s > 0 && s < most) most = s;
+  }
+  return most;
+}
+
 /// About the root of b in (0, 1) where its sign changes, by Newton's method within a bracket. Needs: a change
 /// of sign between the ends.
 double approximate_root(std::span<const double> b) {
   constexpr int kSteps = 60;
   double lo = 0, hi = 1;
-  // Where the control polygon crosses zero.
-  std::size_t k = 0;
-  while (k + 2 < b.size() && (b[k] < 0) == (b[k + 1] < 0)) ++k;
-  const double share = b[k] / (b[k] - b[k + 1]);
-  double s = (static_cast<double>(k) + share) / static_cast<double>(b.size() - 1);
+  double s = parabola_root(b, polygon_root(b));
   for (int step = 0; step < kSteps; ++step) {
     if (!(s > lo && s < hi)) s = 0.5 * (lo + hi);
     const Slope here = slope_at(b, s);
@@ -143,11 +162,13 @@ double approximate_root(std::span<const double> b) {
 
 /// The same, from the nearer end. `b` is turned round for the right one.
 Place place_of_root(std::span<double> b) {
-  constexpr double kMiddle = 0.5;
-  const double s = approximate_root(b);
-  if (s <= kMiddle) return {s, true};
+  constexpr double kMiddle = 0.5, kFar = 0.75;
+  Place place{0, polygon_root(b) <= kMiddle};
+  if (!place.is_left) std::reverse(b.begin(), b.end());
+  place.from_end = approximate_root(b);
+  if (place.from_end <= kFar) return place;
   std::reverse(b.begin(), b.end());
-  return {approximate_root(b), false};
+  return {approximate_root(b), !place.is_left};
 }
 
 /// Where the cell is split: at its extremum if it seems to have one, so that a pair of roots parts, or none
@@ -197,7 +218,7 @@ bool is_below(const Ball& a, const Ball& b) { return sign_of(b - a) > 0; }
 /// told apart, or a root may be an end.
 template <class AddRoot>
 bool isolate(const Cell& whole, const AddRoot& add_root) {
-  constexpr std::size_t kStack = 40;
+  constexpr std::size_t kStack = 24;
   constexpr int kMostCells = 100;
   if (sign_of(whole.c[0]) == 0 || sign_of(whole.c[whole.size - 1]) == 0) return false;
   std::array<Cell, kStack> open;

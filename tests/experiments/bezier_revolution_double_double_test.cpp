@@ -151,6 +151,11 @@ TEST(BezierDoubleDouble, WhatOnlyExactArithmeticTellsIsNotProved) {
                               {{-1, 0.5, 0}, {1, 0.25, 0}},
                               {{-1, 0, 0}, {1, 0, 0}}};
   for (const Ray& ray : open) EXPECT_FALSE(lines.find(ray.o, ray.d, hits)) << ray.o.x << " " << ray.d.y;
+  // Every point of a profile that runs back on itself is two.
+  const BezierRevolution back(bezier({{1, 0}, {1, 1.5}, {1, 0}}));
+  const BezierDoubleDouble doubled(back.profile);
+  EXPECT_FALSE(doubled.find({-2, 0, 0}, {1, 0.25, 0}, hits));
+  EXPECT_FALSE(doubled.find({-2, 0.375, 0}, {1, 0, 0}, hits));
   // Through the pole, inside and beside the cone.
   ASSERT_TRUE(lines.find({-0.5, -1, 0}, {0.5, 1, 0}, hits));
   ASSERT_EQ(hits.count, 1U);
