@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
+#include <graze/solvers/exact_roots.hpp>
 #include <graze/solvers/math/bernstein.hpp>
-#include <graze/solvers/math/exact_polynomial.hpp>
 #include <graze/solvers/math/polynomial.hpp>
 #include <graze/solvers/math/quadratic.hpp>
 #include <graze/solvers/math/scaling.hpp>
@@ -79,75 +79,11 @@ bool solve_by_formula(const PolynomialEquation& equation, std::size_t size, Root
   return true;
 }
 
-/// Lists a root; roots that round to one double are listed as one.
-void add_exact(double x, double radius, std::uint32_t multiplicity, Roots& roots) {
-  if (!roots.list.empty() && roots.list.back().x == x) {
-    roots.list.back().multiplicity += multiplicity;
-  } else {
-    roots.list.push_back(
-        {.x = x, .others = {}, .radius = radius, .multiplicity = multiplicity, .certified = true});
-  }
-}
-
-/// All roots of the exact polynomial, each the double nearest to it.
-void solve_power_exactly(std::span<const Dyadic> c, const PolynomialEquation& equation, Roots& roots) {
-  const ExactPolynomial p(c);
-  if (p.is_zero()) {
-    roots.status = Status::coincident;
-    return;
-  }
-  for (RealRoot& root : isolate_roots(p, dyadic_interval(equation.lo, equation.hi))) {
-    const double x = std::clamp(root.to_double(), equation.lo, equation.hi);
-    const bool exact = root.is_exact() && root.lo() == Dyadic(x);
-    add_exact(x, exact ? 0 : ulp(x), static_cast<std::uint32_t>(root.multiplicity()), roots);
-  }
-}
-
-/// The same for p(u), u from `first` (0 or -1) at lo to 1 at hi: u to twice a double's digits, then x
-/// exactly.
-void solve_mapped_exactly(const ExactPolynomial& p, double first, const PolynomialEquation& equation,
-                          Roots& roots) {
-  if (p.is_zero()) {
-    roots.status = Status::coincident;
-    return;
-  }
-  // hi - lo over 1 - first = 1 or 2 is dyadic.
-  const Dyadic lo(equation.lo), start(first);
-  const Dyadic step = Dyadic(first == 0 ? 1.0 : 0.5) * (Dyadic(equation.hi) - lo);
-  const auto unknown = [&](const Dyadic& u) { return lo + (u - start) * step; };
-  for (RealRoot& root : isolate_roots(p, dyadic_interval(first, 1))) {
-    const double x =
-        std::clamp(unknown(Dyadic(root.to_double_double())).to_double(), equation.lo, equation.hi);
-    const bool exact = root.is_exact() && unknown(root.lo()) == Dyadic(x);
-    add_exact(x, exact ? 0 : 2 * ulp(x), static_cast<std::uint32_t>(root.multiplicity()), roots);
-  }
-}
-
-/// The power coefficients of a polynomial in the Chebyshev basis.
-ExactPolynomial from_chebyshev(std::span<const Dyadic> c) {
-  std::vector<Dyadic> power(c.size());
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    for (std::size_t k = i; k < c.size(); ++k) power[i] += Dyadic(chebyshev_power_weight(i, k)) * c[k];
-  }
-  return ExactPolynomial(power);
-}
-
 /// The option that the tiers' own methods share.
 Parameters budget_of(const Parameters& options) {
   Parameters own;
   if (options.has("budget")) own.set("budget", options.number("budget"));
   return own;
-}
-
-/// The exact coefficients, where the equation has them.
-bool exact_coefficients(const PolynomialEquation& equation, std::vector<Dyadic>& c) {
-  c.resize(equation.c.size());
-  if (equation.exact.get != nullptr) {
-    equation.exact.get(equation.exact.self, c);
-    return true;
-  }
-  std::transform(equation.c.begin(), equation.c.end(), c.begin(), [](double x) { return Dyadic(x); });
-  return effective_degree(equation.c_error) < 0;
 }
 
 }  // namespace
@@ -198,18 +134,11 @@ void Certified::solve(const PolynomialEquation& equation, Roots& roots) const {
   solve_by_signs(equation, roots);
   roots.counters.tier = kDouble;
   if (roots.status != Status::uncertain) return;
-  std::vector<Dyadic> c;
-  if (!exact_coefficients(equation, c)) return;
+  const std::optional<ExactPolynomial> exact = exact_polynomial(equation);
+  if (!exact) return;
   roots.list.clear();
-  roots.status = Status::ok;
   roots.counters.tier = kExact;
-  if (equation.basis == Basis::power) {
-    solve_power_exactly(c, equation, roots);
-  } else if (equation.basis == Basis::bernstein) {
-    solve_mapped_exactly(ExactPolynomial::from_bernstein(c), 0, equation, roots);
-  } else {
-    solve_mapped_exactly(from_chebyshev(c), -1, equation, roots);
-  }
+  add_exact_roots(*exact, equation, roots);
 }
 
 /// By variations of sign; by inclusions where there are too many coefficients for that. Chebyshev equations

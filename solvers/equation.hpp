@@ -49,10 +49,12 @@ enum class Basis : std::uint8_t { power, bernstein, chebyshev };
 class Dyadic;  // math/big_integer.hpp
 
 /// Where a solver gets the coefficients without rounding, if it must: `get` fills c, as many as the equation
-/// has, in its basis. Null: the surface cannot say.
+/// has, in its basis. Null: the surface cannot say. A root's place is l = origin + x, the number whose digits
+/// count (Root::placed).
 struct ExactCoefficients {
   const void* self = nullptr;
   void (*get)(const void* self, std::span<Dyadic> c) = nullptr;
+  double origin = 0;
 };
 
 /// sum_i c[i] x^i = 0 (power, ascending), sum_i c[i] B_{i,n}((x - lo)/(hi - lo)) = 0 (Bernstein), or

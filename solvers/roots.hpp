@@ -46,6 +46,11 @@ struct Root {
   double radius = 0;  ///< |x - root| <= radius: proved if `certified`, else the solver's estimate
   std::uint32_t multiplicity = 1;  ///< as far as the solver can tell; 2 = touches
   bool certified = false;          ///< [x - radius, x + radius] was proved to hold exactly this root
+  /// What x leaves of the root's place l: `placed` proves that fl(origin + x + tail), with the origin of
+  /// ExactCoefficients, is within 1 ulp of l and on its side of zero. 0 from solvers that place nothing.
+  double tail = 0;
+  bool placed = false;
+  int side = 0;  ///< the sign of l - fl(origin + x + tail), if `placed`
 };
 
 /// A root found in the arithmetic of T, nothing proved.

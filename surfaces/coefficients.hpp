@@ -32,11 +32,13 @@ T exactly(double x) {
 template <class T>
 requires std::is_floating_point_v<T> T sqr(T x) { return x * x; }
 
-/// Exact coefficients by `make(c)`, which fills a span of dyadics; it lives as long as the block's equations.
+/// Exact coefficients by `make(c)`, which fills a span of dyadics, where the block's solver may ask for them;
+/// it lives as long as the block's equations. The unknown is l - origin.
 template <class Make>
-ExactCoefficients exact_by(Arena& arena, const Make& make) {
-  return {arena.make(make),
-          [](const void* self, std::span<Dyadic> c) { (*static_cast<const Make*>(self))(c); }};
+ExactCoefficients exact_by(EquationBlock& block, double origin, const Make& make) {
+  if (!block.wants_coefficient_errors()) return {};
+  return {block.arena().make(make),
+          [](const void* self, std::span<Dyadic> c) { (*static_cast<const Make*>(self))(c); }, origin};
 }
 
 /// The point p at l = centre: as rounded in `ray`, enclosed, or exactly.

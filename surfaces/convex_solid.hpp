@@ -27,6 +27,7 @@
 #include <string_view>
 #include <vector>
 
+#include <graze/solvers/math/big_integer.hpp>
 #include <graze/surfaces/coefficients.hpp>
 #include <graze/surfaces/exact.hpp>
 #include <graze/surfaces/surface.hpp>
@@ -316,10 +317,16 @@ void pose_exact(std::span<const Face> faces, const Grain& grain, const LocalRay&
     // Only numbers beyond the range of exact sums, or an l beyond that of double, leave more than two ulps.
     const double size = mag(place.enclosure) + std::fabs(ray.centre);
     if (!(width(place.enclosure) <= 0x1p-50 * size)) return block.settle(Status::uncertain);
-    pose_in_delta(block, kind, ray.lo, ray.hi, ray.seed(), 1, [&](auto number) {
+    const auto rounded = [&](auto number) {
       using T = decltype(number);
       return std::array<T, 2>{-place.template as<T>(), exactly<T>(1)};
-    });
+    };
+    // top = bottom (centre + delta)
+    const auto exact = [face = &faces[kind & ~kTouch], where = &ray](std::span<Dyadic> to) {
+      to[1] = face->template bottom<Dyadic>(*where);
+      to[0] = Dyadic(where->centre) * to[1] - face->template top<Dyadic>(*where);
+    };
+    pose_in_delta(block, kind, ray.lo, ray.hi, ray.seed(), 1, rounded, exact_by(block, ray.centre, exact));
   });
 }
 

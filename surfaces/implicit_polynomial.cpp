@@ -168,7 +168,7 @@ void pose_on(const PolynomialTerms& f, const LocalRay& ray, const Univariate<Dou
     const auto all = restricted(*terms, recentred_point<Dyadic>(*where), components<Dyadic>(where->d)).c;
     std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(zeros), to.size(), to.begin());
   };
-  pose_balls(block, c, lo, hi, scale, ray.seed(), in_float, exact);
+  pose_balls(block, c, ray.centre, lo, hi, scale, ray.seed(), in_float, exact);
 }
 
 /// Far roots come with nearly asymptotic rays. Inclusions are wide on long intervals and epsilons follow the

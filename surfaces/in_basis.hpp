@@ -151,10 +151,8 @@ void pose_in_basis(EquationBlock& block, Basis basis, std::span<const DoubleDoub
                    double hi, const InFloat& in_float, const Exact& exact) {
   const auto rounded = [&](auto number) { return rounded_balls<decltype(number)>(block, c, in_float); };
   with_coefficients(block, rounded, [&](auto values) {
-    detail::pose_stored(
-        block, 0, basis, lo, hi, sharp_epsilons(block.arena(), 1, 0),
-        detail::store_coefficients(block.arena(), values),
-        block.wants_coefficient_errors() ? exact_by(block.arena(), exact) : ExactCoefficients{});
+    detail::pose_stored(block, 0, basis, lo, hi, sharp_epsilons(block.arena(), 1, 0),
+                        detail::store_coefficients(block.arena(), values), exact_by(block, 0, exact));
   });
 }
 

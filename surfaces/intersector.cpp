@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <tuple>
 
+#include <graze/solvers/math/double_double.hpp>
+
 namespace graze {
 namespace {
 
@@ -88,7 +90,10 @@ void merge_equal(std::vector<SceneHit>& hits) {
     if (last != nullptr && last->ray == hits[i].ray && last->l == hits[i].l &&
         last->surface == hits[i].surface) {
       if (last->local.is_apart && hits[i].local.is_apart) {
-        hits[i].l = std::nextafter(hits[i].l, std::numeric_limits<double>::infinity());
+        // The one that is nearer to its neighbouring double moves there: both stay within an ulp.
+        const bool down = hits[i].local.side < 0;
+        double& moved = down ? last->l : hits[i].l;
+        moved = std::nextafter(moved, down ? 0 : std::numeric_limits<double>::infinity());
         hits[kept++] = hits[i];
       } else {
         last->local.multiplicity += hits[i].local.multiplicity;
@@ -151,6 +156,7 @@ Intersector::Intersector(const SurfaceEntry& surface, const SolverEntry& solver,
       options_(method.options),
       pairing_(pair_up(solver, surface, method.formulation, method.precision)),
       certified_(solver.info.claims.certified && !surface.formulations[pairing_.formulation].is_plain),
+      places_(solver.info.places),
       group_(surface.make_group(pairing_.formulation)),
       solver_(solver.make(method.options)) {
   const KernelEntry* const kernel = kernel_for(solver, surface, pairing_.precision);
@@ -203,7 +209,7 @@ void Intersector::solve_tasks(std::span<const Ray> rays, std::span<const Task> t
   if (tasks.empty()) return;
   localize(rays, tasks, work);
   const std::span<bool> inside{work.inside.data(), tasks.size()};
-  work.equations.reset(pairing_.form, pairing_.precision, certified_);
+  work.equations.reset(pairing_.form, pairing_.precision, certified_, places_);
   group_->pose(work.local, inside, work.equations);
   solve(work);
 
@@ -512,7 +518,8 @@ void Scene::collect(std::size_t index, std::span<const Task> tasks, Workspace& w
       continue;
     }
     const LocalRay& local = block.local[hit.ray];
-    add(scale_by_power(local.centre + hit.delta, local.l_exponent), task, hit);
+    const DoubleDouble l = two_sum(local.centre, hit.delta);
+    add(scale_by_power(hit.tail == 0 ? l.hi : l.hi + (l.lo + hit.tail), local.l_exponent), task, hit);
   }
   for (const KernelHit& hit : block.kernel_hits)
     add(hit.l, tasks[hit.task], {.multiplicity = hit.multiplicity, .delta = hit.l, .is_world = true});

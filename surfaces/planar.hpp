@@ -27,6 +27,7 @@
 #include <type_traits>
 #include <vector>
 
+#include <graze/solvers/math/big_integer.hpp>
 #include <graze/surfaces/exact.hpp>
 #include <graze/surfaces/surface.hpp>
 
@@ -67,6 +68,10 @@ struct ExactNumber {
       return near;
     } else if constexpr (std::is_same_v<T, Expansion>) {
       return exact;
+    } else if constexpr (std::is_same_v<T, Dyadic>) {
+      T sum;
+      for (const double part : exact.parts()) sum += T(part);
+      return sum;
     } else {
       return static_cast<T>(mid(near));
     }
@@ -314,7 +319,7 @@ inline bool fits(Precision precision, const LocalRay& ray, Interval c0, Interval
 
 /// Poses c0 + c1 delta = 0 with its one root in a bracket about -c0 / c1.
 inline void pose_linear(EquationBlock& block, const LocalRay& ray, std::uint32_t kind, std::uint64_t seed,
-                        Interval c0, Interval c1) {
+                        Interval c0, Interval c1, const ExactCoefficients& exact) {
   const Interval root = -c0 / c1;
   if (!fits(block.precision(), ray, c0, c1, root)) return block.settle(Status::failed);
   // Beside the enclosure: what rounding the coefficients to the block's arithmetic may move the root, with
@@ -323,10 +328,11 @@ inline void pose_linear(EquationBlock& block, const LocalRay& ray, std::uint32_t
   const double slack = block.precision() == Precision::binary32 ? 0x1p-20 : 0x1p-47;
   const double margin = slack * mag(root) + 0x1p-52 * std::fabs(ray.centre) + 0x1p-900;
   const double lo = std::max(-ray.centre, root.lo - margin);
-  pose_in_delta(block, kind, lo, root.hi + margin, seed, 1, [&](auto number) {
+  const auto rounded = [&](auto number) {
     using T = decltype(number);
     return std::array<T, 2>{middle_as<T>(c0), middle_as<T>(c1)};
-  });
+  };
+  pose_in_delta(block, kind, lo, root.hi + margin, seed, 1, rounded, exact);
 }
 
 /// Poses where the ray crosses the plane.
@@ -335,7 +341,12 @@ inline void pose_crossing(EquationBlock& block, const LocalRay& ray, std::uint64
   const Interval c1 = judge.enclosure([&](auto number) { return plane.slope<decltype(number)>(ray); });
   const Interval c0 =
       judge.enclosure([&](auto number) { return plane.height(point_at_centre<decltype(number)>(ray)); });
-  pose_linear(block, ray, 0, seed, c0, c1);
+  const auto exact = [self = &plane, where = &ray](std::span<Dyadic> to) {
+    to[0] = self->height(point_at_centre<Dyadic>(*where));
+    to[1] = self->slope<Dyadic>(*where);
+  };
+  pose_linear(block, ray, 0, seed, c0, c1,
+              plane.exact ? exact_by(block, ray.centre, exact) : ExactCoefficients{});
 }
 
 /// How a ray and a plane lie.
@@ -370,15 +381,20 @@ inline constexpr std::uint32_t kTouch = 1;
 /// d.(o + l d - v) = 0.
 inline void pose_touch(EquationBlock& block, const LocalRay& ray, Vec3 v, std::uint32_t which,
                        const Judge& judge) {
-  const Interval c1 = judge.enclosure([&](auto number) {
-    const auto d = planar::exactly<decltype(number)>(ray.d);
+  const auto slope = [where = &ray](auto number) {
+    const auto d = planar::exactly<decltype(number)>(where->d);
     return inner(d, d);
-  });
-  const Interval c0 = judge.enclosure([&](auto number) {
+  };
+  const auto height = [where = &ray, v](auto number) {
     using T = decltype(number);
-    return inner(planar::exactly<T>(ray.d), difference(point_at_centre<T>(ray), planar::exactly<T>(v)));
-  });
-  pose_linear(block, ray, kTouch + which, ray.seed(), c0, c1);
+    return inner(planar::exactly<T>(where->d), difference(point_at_centre<T>(*where), planar::exactly<T>(v)));
+  };
+  const auto exact = [slope, height](std::span<Dyadic> to) {
+    to[0] = height(Dyadic());
+    to[1] = slope(Dyadic());
+  };
+  pose_linear(block, ray, kTouch + which, ray.seed(), judge.enclosure(height), judge.enclosure(slope),
+              exact_by(block, ray.centre, exact));
 }
 
 /// The hit of an exact formulation's root: a touch counts twice and carries its vertex in t.

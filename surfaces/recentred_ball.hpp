@@ -44,16 +44,16 @@ std::span<T> rounded_balls(EquationBlock& block, std::span<const DoubleDoubleBal
   return values;
 }
 
-/// Poses sum c[i] delta^i = 0 on [lo, hi] in the block's form and arithmetic. `in_float()` gives the
-/// coefficients of binary32, formed in it: at least as many; `exact(c)` fills in the exact ones.
+/// Poses sum c[i] delta^i = 0, delta = l - origin, on [lo, hi] in the block's form and arithmetic.
+/// `in_float()` gives the coefficients of binary32, formed in it: at least as many; `exact(c)` fills in the
+/// exact ones.
 template <class InFloat, class Exact>
-void pose_balls(EquationBlock& block, std::span<const DoubleDoubleBall> c, double lo, double hi, double scale,
-                std::uint64_t seed, const InFloat& in_float, const Exact& exact) {
+void pose_balls(EquationBlock& block, std::span<const DoubleDoubleBall> c, double origin, double lo,
+                double hi, double scale, std::uint64_t seed, const InFloat& in_float, const Exact& exact) {
   const auto rounded = [&](auto number) { return rounded_balls<decltype(number)>(block, c, in_float); };
   if (block.form() != Form::interval) {
-    const bool wanted = block.wants_coefficient_errors();
     return pose_in_delta(block, 0, lo, hi, seed, static_cast<int>(c.size()) - 1, rounded,
-                         wanted ? exact_by(block.arena(), exact) : ExactCoefficients{});
+                         exact_by(block, origin, exact));
   }
 
   const std::span<const Interval> enclosures = rounded(Interval{});

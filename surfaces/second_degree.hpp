@@ -64,6 +64,10 @@ class Coefficient {
       return wide_;
     } else if constexpr (std::is_same_v<T, Interval>) {
       return wide_.lo == 0 ? point(wide_.hi) : Interval{next_below(wide_.hi), next_above(wide_.hi)};
+    } else if constexpr (std::is_same_v<T, Dyadic>) {
+      T sum;
+      for (const double part : exact_.parts()) sum += T(part);
+      return sum;
     } else {
       return static_cast<T>(wide_.hi);
     }
@@ -114,13 +118,15 @@ struct QuadraticForm {
 
 // ------------------------------------------------------------------------------------------- exact numbers
 
-/// The point at l = centre + delta: exact for T = Expansion (delta = 0), within 6 u^2 of each coordinate in
+/// The point at l = centre + delta: exact for T = Expansion and Dyadic, within 6 u^2 of each coordinate in
 /// double-doubles however much cancels, rounded once for double.
 template <class T>
 Triple<T> point_on(const LocalRay& ray, double delta = 0) {
   const auto coordinate = [&](double o, double d) {
     if constexpr (std::is_same_v<T, Expansion>) {
       return Expansion(o) + Expansion(ray.centre) * d + Expansion(delta) * d;
+    } else if constexpr (std::is_same_v<T, Dyadic>) {
+      return T(o) + (T(ray.centre) + T(delta)) * T(d);
     } else {
       const DoubleDouble x = ray.centre == 0 ? DoubleDouble(o) : two_prod(ray.centre, d) + o;
       const DoubleDouble moved = delta == 0 ? x : x + two_prod(delta, d);
@@ -169,6 +175,23 @@ struct Sharp {
   }
 };
 
+/// Which of C, k B, A are the coefficients of an equation, in ascending powers from the one at `first` on.
+struct Slice {
+  std::size_t first = 0;
+  double factor = 2;  ///< k: 2, or 1 for the linear equation of a double root
+};
+
+/// The exact coefficients of a ray's equation, for SphereForm and QuadraticForm; none in a build without the
+/// solvers that end in integers (second_degree_exact.cpp, second_degree_rounded.cpp).
+template <class Form>
+ExactCoefficients exact_coefficients(EquationBlock& block, const Form& form, const LocalRay& ray,
+                                     Slice slice);
+
+/// Poses a ray whose coefficients leave the range of double: rounded to a common power of two, with bounds,
+/// and exactly. False, and nothing posed, where the block's solver cannot use that.
+template <class Form>
+bool pose_beyond_range(EquationBlock& block, const Form& form, const LocalRay& ray);
+
 /// The coefficients of f about l = centre, and their discriminant.
 template <class Form>
 class Along {
@@ -179,13 +202,13 @@ class Along {
         wide_(form.along(point_on<DoubleDouble>(ray), direction_of<DoubleDouble>(ray))),
         size_(form.along(point_on<Magnitude>(ray), direction_of<Magnitude>(ray))) {
     for (const std::size_t i : {std::size_t{0}, std::size_t{2}}) {
-      sharp_[i] = sharpened(wide_[i], size_[i].size(), [&] { return exact()[i]; });
+      sharp_[i] = sharpened(wide_[i], size_[i].size(), [&] { return expanded()[i]; });
     }
     // At the vertex B is all but zero, and need only be known to a small part of an ulp of l times A.
     const double allowed = 0x1p-12 * ulp(ray.centre) * sharp_[2].size();
     const bool is_small = ray.centre != 0 && kError * size_[1].size() <= allowed;
     sharp_[1] =
-        is_small ? Sharp{wide_[1].hi} : sharpened(wide_[1], size_[1].size(), [&] { return exact()[1]; });
+        is_small ? Sharp{wide_[1].hi} : sharpened(wide_[1], size_[1].size(), [&] { return expanded()[1]; });
   }
 
   /// No overflow, and no NaN, in what was computed.
@@ -199,16 +222,20 @@ class Along {
   /// B^2 - A C.
   [[nodiscard]] Sharp discriminant() const {
     return sharpened(sqr(wide_[1]) - wide_[2] * wide_[0], discriminant_size(), [&] {
-      const Triple<Expansion> q = exact();
+      const Triple<Expansion> q = expanded();
       return q[1] * q[1] - q[2] * q[0];
     });
+  }
+  /// For the equation whose coefficients these are, or some of them.
+  [[nodiscard]] ExactCoefficients exact(EquationBlock& block, Slice slice = {}) const {
+    return exact_coefficients(block, form_, ray_, slice);
   }
 
  private:
   [[nodiscard]] double discriminant_size() const {
     return size_[1].size() * size_[1].size() + size_[2].size() * size_[0].size();
   }
-  [[nodiscard]] [[gnu::noinline]] Triple<Expansion> exact() const {  // rare: kept out of the fast path
+  [[nodiscard]] [[gnu::noinline]] Triple<Expansion> expanded() const {  // rare: kept out of the fast path
     return form_.along(point_on<Expansion>(ray_), direction_of<Expansion>(ray_));
   }
   /// Fewer than 2^7 roundings of 8 u^2 each leave 2^-96 of the size open: less than 2^-56 of a value that is
@@ -336,25 +363,26 @@ inline constexpr double kSlack = 0x1p-16;
 /// c0 + c1 x (+ c2 x^2) on [lo, hi], widened by kSlack.
 template <std::size_t N>
 void pose_on(EquationBlock& block, const LocalRay& ray, Kind kind, double lo, double hi,
-             const std::array<Sharp, N>& c) {
+             const std::array<Sharp, N>& c, const ExactCoefficients& exact) {
   const double low = lo < 0 ? lo * (1 + kSlack) : lo * (1 - kSlack);
   const double high = hi * (1 + kSlack);
   if (!(low <= high) || !std::isfinite(high)) return;  // a root beyond the range of double has no number
-  pose_in_delta(block, kind, low, high, ray.seed(), static_cast<int>(N) - 1, [&](auto number) {
+  const auto rounded = [&](auto number) {
     using T = decltype(number);
     std::array<T, N> values{};
     for (std::size_t i = 0; i < N; ++i) values[i] = c[i].template as<T>();
     return values;
-  });
+  };
+  pose_in_delta(block, kind, low, high, ray.seed(), static_cast<int>(N) - 1, rounded, exact);
 }
 
 inline Sharp twice(const Sharp& x) { return {2 * x.value}; }
 
 /// The one root -c0/c1.
 inline void pose_linear(EquationBlock& block, const LocalRay& ray, Kind kind, const Sharp& c0,
-                        const Sharp& c1, double slack = 0) {
+                        const Sharp& c1, const ExactCoefficients& exact, double slack = 0) {
   const double root = -c0.value / c1.value;
-  pose_on<2>(block, ray, kind, root - slack, root + slack, {c0, c1});
+  pose_on<2>(block, ray, kind, root - slack, root + slack, {c0, c1}, exact);
 }
 
 /// Two roots offset +- half, so close that their l may round to one double: the nearest doubles, or the next
@@ -381,12 +409,14 @@ void pose_at_vertex(EquationBlock& block, const LocalRay& ray, const Along<Form>
   const double offset = q.b().size() / q.a().size();
   if (d.sign() == 0) {
     // The vertex lies within an ulp or so of centre: 2^-30 of it is room enough.
-    return pose_linear(block, ray, kTouch, q.b(), q.a(), offset + 0x1p-30 * std::fabs(ray.centre));
+    return pose_linear(block, ray, kTouch, q.b(), q.a(), q.exact(block, {1, 1}),
+                       offset + 0x1p-30 * std::fabs(ray.centre));
   }
   const double half = std::sqrt(d.value) / q.a().size();
   const double reach = half + offset;
-  if (half < ulp(ray.centre)) return pose_neighbours(block, ray, -q.b().value / q.a().value, half);
-  pose_on<3>(block, ray, kSimple, -reach, reach, {q.c(), twice(q.b()), q.a()});
+  if (half < ulp(ray.centre) && !block.wants_places())
+    return pose_neighbours(block, ray, -q.b().value / q.a().value, half);
+  pose_on<3>(block, ray, kSimple, -reach, reach, {q.c(), twice(q.b()), q.a()}, q.exact(block));
 }
 
 /// One positive root, A and C of opposite signs: it lies between bounds that differ by a factor of 2 or so,
@@ -399,7 +429,7 @@ void pose_from_inside(EquationBlock& block, const LocalRay& ray, const Along<For
   const bool far = q.b().sign() * q.a().sign() < 0;
   const double lo = far ? least / a : c / most;
   const double hi = far ? most / a : c / least;
-  pose_on<3>(block, ray, kSimple, lo, hi, {q.c(), twice(q.b()), q.a()});
+  pose_on<3>(block, ray, kSimple, lo, hi, {q.c(), twice(q.b()), q.a()}, q.exact(block));
 }
 
 /// Two positive roots, |C/2B| <= near <= |C/B| and |B/A| <= far <= |2B/A|: an equation each, since a solver's
@@ -408,11 +438,12 @@ template <class Form>
 void pose_from_outside(EquationBlock& block, const LocalRay& ray, const Along<Form>& q) {
   const Sharp d = q.discriminant();
   if (d.sign() < 0) return;
-  if (d.sign() == 0) return pose_linear(block, ray, kTouch, q.b(), q.a());
+  if (d.sign() == 0) return pose_linear(block, ray, kTouch, q.b(), q.a(), q.exact(block, {1, 1}));
   const double a = q.a().size(), b = q.b().size(), c = q.c().size();
   const std::array<Sharp, 3> coefficients{q.c(), twice(q.b()), q.a()};
-  pose_on<3>(block, ray, kSimple, 0.5 * c / b, c / b, coefficients);
-  pose_on<3>(block, ray, kSimple, b / a, 2 * b / a, coefficients);
+  const ExactCoefficients exact = q.exact(block);
+  pose_on<3>(block, ray, kSimple, 0.5 * c / b, c / b, coefficients, exact);
+  pose_on<3>(block, ray, kSimple, b / a, 2 * b / a, coefficients, exact);
 }
 
 /// About the ray's own origin, by the exact signs of A, B, C and the discriminant.
@@ -421,10 +452,10 @@ void pose_at_origin(EquationBlock& block, const LocalRay& ray, const Along<Form>
   const int a = q.a().sign(), b = q.b().sign(), c = q.c().sign();
   if (a == 0) {
     if (b == 0 && c == 0) return block.settle(Status::coincident);
-    if (b * c < 0) pose_linear(block, ray, kSimple, q.c(), twice(q.b()));
+    if (b * c < 0) pose_linear(block, ray, kSimple, q.c(), twice(q.b()), q.exact(block));
   } else if (c == 0) {
     // The ray starts on the surface: that root is no hit, the other one is -2B/A.
-    if (a * b < 0) pose_linear(block, ray, kSimple, twice(q.b()), q.a());
+    if (a * b < 0) pose_linear(block, ray, kSimple, twice(q.b()), q.a(), q.exact(block, {1, 2}));
   } else if (a * c < 0) {
     pose_from_inside(block, ray, q);
   } else if (a * b < 0) {
@@ -436,7 +467,10 @@ void pose_at_origin(EquationBlock& block, const LocalRay& ray, const Along<Form>
 template <class Form>
 void pose(const Form& form, const LocalRay& ray, EquationBlock& block) {
   const Along<Form> q(form, ray);
-  if (!q.is_finite()) return block.settle(Status::failed);
+  if (!q.is_finite()) {
+    if (!pose_beyond_range(block, form, ray)) block.settle(Status::failed);
+    return;
+  }
   if (ray.centre == 0) return pose_at_origin(block, ray, q);
   pose_at_vertex(block, ray, q);
 }

@@ -34,6 +34,8 @@ struct LocalHit {
   bool is_apart = false;  ///< another point than any other hit of the ray, even where both round to one l
   bool is_world = false;  ///< delta is l itself in world units, as a kernel gave it, and t is not known yet
   bool in_doubt = false;  ///< a proved root that does not locate the hit: see GroupModel::in_doubt
+  double tail = 0;        ///< l = fl(centre + delta + tail): what delta leaves, from solvers that know it
+  int side = 0;           ///< the sign of the exact l - l, from the same solvers
 };
 
 /// Normal and parameters of a hit in object space.
@@ -230,13 +232,19 @@ class GroupModel final : public AnyGroup {
     for (std::size_t i = 0; i < roots.size(); ++i) {
       const Posed posed = block.posed()[i];
       const LocalRay& ray = rays[posed.ray];
+      const bool is_about_centre = origin_of(block, i) == ray.centre;
       for (const Root& root : roots[i].list) {
         const std::size_t first = hits.size();
         formulation(ray).lift(ray, posed, root, hits);
         const std::size_t last = hits.size();
         for (std::size_t h = first; h < last; ++h) {
           hits[h].ray = posed.ray;
-          if (root.certified) hits[h].in_doubt = in_doubt(formulation(ray), ray, posed, root, h, hits);
+          if (root.placed && hits[h].is_root && is_about_centre) {
+            hits[h].tail = root.tail;
+            hits[h].side = root.side;
+          } else if (root.certified) {
+            hits[h].in_doubt = in_doubt(formulation(ray), ray, posed, root, h, hits);
+          }
         }
       }
     }
@@ -276,6 +284,12 @@ class GroupModel final : public AnyGroup {
     F formulation;
   };
   [[nodiscard]] const F& formulation(const LocalRay& ray) const { return members_[ray.surface].formulation; }
+
+  /// From where equation i counts l (ExactCoefficients::origin).
+  static double origin_of(const EquationBlock& block, std::size_t i) {
+    const std::span<const PolynomialEquation> equations = block.of<PolynomialEquation>();
+    return i < equations.size() ? equations[i].exact.origin : 0;
+  }
 
   /// A root is proved within its enclosure, the hit within the enclosure's image: the lifted ends, and the
   /// rounding of the lift (of centre + delta alone where delta is the root; else 16 operations on terms of

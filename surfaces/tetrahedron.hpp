@@ -45,7 +45,8 @@ struct TetrahedronFace {
  private:
   template <class T>
   [[nodiscard]] std::array<T, 3> normal_as() const {
-    if constexpr (std::is_same_v<T, Expansion> || std::is_same_v<T, DoubleDouble>) {
+    if constexpr (std::is_same_v<T, Expansion> || std::is_same_v<T, DoubleDouble> ||
+                  std::is_same_v<T, Dyadic>) {
       return cross_as<T>();
     } else if constexpr (std::is_same_v<T, Interval>) {
       return normal;

@@ -186,7 +186,7 @@ void TorusQuarticRecentred::pose(const LocalRay& ray, EquationBlock& block) cons
                                    Dyadic(profile.ring), Dyadic(profile.tube));
     std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(zeros), to.size(), to.begin());
   };
-  pose_balls(block, c, ray.lo, ray.hi, 1, ray.seed(), in_float, exact);
+  pose_balls(block, c, ray.centre, ray.lo, ray.hi, 1, ray.seed(), in_float, exact);
 }
 
 void TorusQuarticRecentred::lift(const LocalRay& /*ray*/, const Posed& /*posed*/, const Root& root,

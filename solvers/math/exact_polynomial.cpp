@@ -649,21 +649,22 @@ int RealRoot::compare_with(const Dyadic& x) const {
 }
 
 template <class Number>
-Number RealRoot::rounded(Number (Dyadic::*round)() const, long digits) {
+Number RealRoot::rounded(Number (Dyadic::*round)() const, const Dyadic& origin, long digits) {
   // Rounding is monotone, so equal roundings of both ends are the root's. A root never stays between two:
   // where the roundings part is a dyadic, which refinement reaches or leaves behind.
   constexpr long kLowest = -1074;
   for (long more = 4;; more *= 2) {
-    const Number below = (lo_.*round)(), above = (hi_.*round)();
+    const Dyadic lo = lo_ + origin, hi = hi_ + origin;
+    const Number below = (lo.*round)(), above = (hi.*round)();
     if (below == above) return above;
-    const bool sized = !lo_.is_zero() && !hi_.is_zero();
-    const long size = sized ? std::max(lo_.top_exponent(), hi_.top_exponent()) : width_;
+    const bool sized = !lo.is_zero() && !hi.is_zero();
+    const long size = sized ? std::max(lo.top_exponent(), hi.top_exponent()) : width_;
     refine(std::min(std::max(size - digits, kLowest) - more, width_ - more));
   }
 }
 
-double RealRoot::to_double() { return rounded(&Dyadic::to_double, 53); }
-DoubleDouble RealRoot::to_double_double() { return rounded(&Dyadic::to_double_double, 107); }
+double RealRoot::to_double_from(const Dyadic& origin) { return rounded(&Dyadic::to_double, origin, 53); }
+DoubleDouble RealRoot::to_double_double() { return rounded(&Dyadic::to_double_double, Dyadic(), 107); }
 
 std::strong_ordering compare(RealRoot a, RealRoot b) {
   if (b.is_exact()) return a.compare_with(b.lo()) <=> 0;

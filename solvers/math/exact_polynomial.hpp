@@ -128,7 +128,9 @@ class RealRoot {
   /// -1, 0, 1: the sign of root - x. One evaluation at most.
   [[nodiscard]] int compare_with(const Dyadic& x) const;
   /// The double nearest to the root, ties to even; refines as far as that takes.
-  double to_double();
+  double to_double() { return to_double_from(Dyadic()); }
+  /// The double nearest to origin + root, ties to even.
+  double to_double_from(const Dyadic& origin);
   /// The double-double that the root rounds to (Dyadic::to_double_double).
   DoubleDouble to_double_double();
 
@@ -139,7 +141,7 @@ class RealRoot {
   void become(const Dyadic& x) { lo_ = hi_ = x; }
   bool narrow_to(const BigInteger& cell, long bits, Ends& values);
   template <class Number>
-  Number rounded(Number (Dyadic::*round)() const, long digits);
+  Number rounded(Number (Dyadic::*round)() const, const Dyadic& origin, long digits);
 
   std::shared_ptr<const ExactPolynomial> polynomial_;
   Dyadic lo_, hi_;

@@ -1,0 +1,140 @@
+#include <graze/solvers/exact_roots.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <graze/solvers/math/chebyshev.hpp>
+#include <graze/solvers/math/polynomial.hpp>
+#include <graze/solvers/math/scaling.hpp>
+
+namespace graze {
+namespace {
+
+/// The coefficients without error, in the equation's basis; false: not known.
+bool exact_coefficients(const PolynomialEquation& equation, std::vector<Dyadic>& c) {
+  c.resize(equation.c.size());
+  if (equation.exact.get != nullptr) {
+    equation.exact.get(equation.exact.self, c);
+    return true;
+  }
+  std::transform(equation.c.begin(), equation.c.end(), c.begin(), [](double x) { return Dyadic(x); });
+  return effective_degree(equation.c_error) < 0;
+}
+
+/// The power coefficients of a polynomial in the Chebyshev basis.
+std::vector<Dyadic> from_chebyshev(std::span<const Dyadic> c) {
+  std::vector<Dyadic> power(c.size());
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    for (std::size_t k = i; k < c.size(); ++k) power[i] += Dyadic(chebyshev_power_weight(i, k)) * c[k];
+  }
+  return power;
+}
+
+/// width^n p((x - start) / width) for p of degree n: Horner's rule in x - start.
+std::vector<Dyadic> in_powers_of_x(std::span<const Dyadic> p, const Dyadic& start, const Dyadic& width) {
+  std::vector<Dyadic> c;
+  Dyadic weight(1.0);
+  for (std::size_t k = p.size(); k-- > 0; weight *= width) {
+    c.insert(c.begin(), Dyadic());
+    for (std::size_t i = 0; i + 1 < c.size(); ++i) c[i] -= start * c[i + 1];
+    c[0] += weight * p[k];
+  }
+  return c;
+}
+
+/// A root and the double that its l gets.
+struct Placed {
+  RealRoot root;
+  double l;
+  int side;  ///< of the exact l, seen from the double
+  std::uint32_t multiplicity;
+};
+
+/// Appends a root that is greater than those before it, apart from them in l where an ulp allows it.
+void place(RealRoot root, const Dyadic& origin, std::vector<Placed>& placed) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double l = root.to_double_from(origin);
+  const int side = std::isfinite(l) ? root.compare_with(Dyadic(l) - origin) : 0;
+  const auto multiplicity = static_cast<std::uint32_t>(root.multiplicity());
+  Placed next{std::move(root), l, side, multiplicity};
+  if (!placed.empty() && l <= placed.back().l) {
+    Placed& last = placed.back();
+    const double below = std::nextafter(l, -kInfinity);
+    const bool is_room = placed.size() == 1 || placed[placed.size() - 2].l < below;
+    if (last.l == l && side >= 0) {
+      next.l = std::nextafter(l, kInfinity);
+      next.side = -1;
+    } else if (last.l == l && is_room) {
+      last.l = below;
+      last.side = 1;
+    } else {
+      last.multiplicity += multiplicity;
+      return;
+    }
+  }
+  placed.push_back(std::move(next));
+}
+
+/// x is the double nearest to the root, and the tail what l needs beside it; where l is much smaller than
+/// origin and x, x is taken from l, whose digits are the finer ones.
+Root root_of(Placed& placed, double origin) {
+  const DoubleDouble from_l = two_sum(placed.l, -origin);
+  Root root{.x = from_l.hi,
+            .others = {},
+            .radius = 0,
+            .multiplicity = placed.multiplicity,
+            .certified = true,
+            .tail = from_l.lo,
+            .placed = true,
+            .side = placed.side};
+  if (origin != 0) {
+    const double nearest = placed.root.to_double();
+    if (ulp(nearest) < ulp(placed.l)) {
+      root.x = nearest;
+      root.tail = (from_l.hi - nearest) + from_l.lo;
+    }
+  }
+  const bool is_exact = placed.root.is_exact() && placed.root.lo() == Dyadic(root.x);
+  root.radius = is_exact ? 0 : 2 * ulp(root.x);
+  return root;
+}
+
+}  // namespace
+
+std::optional<ExactPolynomial> exact_polynomial(const PolynomialEquation& equation) {
+  std::vector<Dyadic> c;
+  if (!exact_coefficients(equation, c)) return std::nullopt;
+  if (equation.basis == Basis::power) return ExactPolynomial(c);
+  if (equation.lo == equation.hi) return std::nullopt;  // no basis at all
+  const Dyadic lo(equation.lo), width = Dyadic(equation.hi) - lo, half(0.5);
+  if (equation.basis == Basis::chebyshev) {
+    // T_i over [-1, 1]: x = middle + u width / 2.
+    return ExactPolynomial(in_powers_of_x(from_chebyshev(c), lo + half * width, half * width));
+  }
+  const ExactPolynomial p = ExactPolynomial::from_bernstein(c);
+  std::vector<Dyadic> power;
+  for (const BigInteger& x : p.coefficients()) power.emplace_back(x);
+  return ExactPolynomial(in_powers_of_x(power, lo, width));
+}
+
+void add_exact_roots(const ExactPolynomial& p, const PolynomialEquation& equation, Roots& roots) {
+  roots.status = p.is_zero() ? Status::coincident : Status::ok;
+  const Dyadic origin(equation.exact.origin);
+  std::vector<Placed> placed;
+  for (RealRoot& root : isolate_roots(p, dyadic_interval(equation.lo, equation.hi)))
+    place(std::move(root), origin, placed);
+  for (Placed& one : placed) {
+    if (std::isfinite(one.l)) roots.list.push_back(root_of(one, equation.exact.origin));
+  }
+}
+
+bool solve_exactly(const PolynomialEquation& equation, Roots& roots) {
+  const std::optional<ExactPolynomial> p = exact_polynomial(equation);
+  if (!p) return false;
+  add_exact_roots(*p, equation, roots);
+  return true;
+}
+
+}  // namespace graze

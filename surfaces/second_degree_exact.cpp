@@ -1,0 +1,75 @@
+// Exact coefficients of rays against surfaces of second degree, for builds with a solver that ends in
+// integers.
+#include <algorithm>
+
+#include <graze/solvers/math/big_integer.hpp>
+#include <graze/surfaces/second_degree.hpp>
+#include <graze/surfaces/sphere.hpp>
+
+namespace graze::second_degree {
+namespace {
+
+/// C, B and A.
+template <class Form>
+Triple<Dyadic> exactly_along(const Form& form, const LocalRay& ray) {
+  return form.along(point_on<Dyadic>(ray), direction_of<Dyadic>(ray));
+}
+
+/// C, 2 B and A times the power of two that makes the largest of them less than 1.
+std::array<Dyadic, 3> brought_into_range(const Triple<Dyadic>& q) {
+  std::array<Dyadic, 3> c{q[0], Dyadic(2.0) * q[1], q[2]};
+  long highest = std::numeric_limits<long>::min();
+  for (const Dyadic& x : c) {
+    if (!x.is_zero()) highest = std::max(highest, x.top_exponent());
+  }
+  for (Dyadic& x : c) x = scale_by_power(x, -highest - 1);
+  return c;
+}
+
+Interval enclosure_of(const Dyadic& x) { return {x.round_down(), x.round_up()}; }
+
+}  // namespace
+
+template <class Form>
+ExactCoefficients exact_coefficients(EquationBlock& block, const Form& form, const LocalRay& ray,
+                                     Slice slice) {
+  return exact_by(block, ray.centre, [self = &form, where = &ray, slice](std::span<Dyadic> to) {
+    const Triple<Dyadic> q = exactly_along(*self, *where);
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      const std::size_t power = i + slice.first;
+      to[i] = power == 1 ? Dyadic(slice.factor) * q[1] : q[power];
+    }
+  });
+}
+
+template <class Form>
+bool pose_beyond_range(EquationBlock& block, const Form& form, const LocalRay& ray) {
+  const bool is_asked = block.form() == graze::Form::polynomial && block.wants_coefficient_errors();
+  if (!is_asked || !std::isfinite(ray.centre)) return false;
+  const Triple<Dyadic> q = exactly_along(form, ray);
+  std::size_t first = 0, size = 3;
+  while (size > 0 && q[size - 1].is_zero()) --size;
+  if (size == 0) {
+    block.settle(Status::coincident);
+    return true;
+  }
+  // Roots at the ray's origin are no hits.
+  while (ray.centre == 0 && q[first].is_zero()) ++first;
+  const std::array<Dyadic, 3> c = brought_into_range(q);
+  const std::span<const Dyadic> own = std::span(c).subspan(first, size - first);
+  if (own.size() < 2) return true;
+  const std::span<Interval> enclosures = block.arena().array<Interval>(own.size());
+  std::transform(own.begin(), own.end(), enclosures.begin(), enclosure_of);
+  detail::pose_stored(block, kSimple, Basis::power, -ray.centre, std::numeric_limits<double>::infinity(),
+                      sharp_epsilons(block.arena(), 1, 0),
+                      detail::store_coefficients(block.arena(), std::span<const Interval>(enclosures)),
+                      exact_coefficients(block, form, ray, {first, 2}));
+  return true;
+}
+
+template ExactCoefficients exact_coefficients(EquationBlock&, const SphereForm&, const LocalRay&, Slice);
+template ExactCoefficients exact_coefficients(EquationBlock&, const QuadraticForm&, const LocalRay&, Slice);
+template bool pose_beyond_range(EquationBlock&, const SphereForm&, const LocalRay&);
+template bool pose_beyond_range(EquationBlock&, const QuadraticForm&, const LocalRay&);
+
+}  // namespace graze::second_degree
