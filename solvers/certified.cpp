@@ -79,6 +79,24 @@ bool solve_by_formula(const PolynomialEquation& equation, std::size_t size, Root
   return true;
 }
 
+/// Whether a proved root may lie on either side of l = 0, or anywhere in a wide part of the ray: the count of
+/// hits hangs on it.
+bool leaves_doubt(const Root& root, double origin) {
+  constexpr double kLocated = 0x1p-24;  // well within what GroupModel::in_doubt lets pass
+  const double size = std::fabs(origin) + std::fabs(root.x);
+  if (root.radius == 0 && root.x == -origin) return false;
+  const double reach = root.radius + 0x1p-52 * size;
+  return std::fabs(origin + root.x) <= 2 * reach || !(root.radius <= kLocated * (1 + size));
+}
+
+/// The count is proved; is that of the hits, where the equation's exact coefficients could tell?
+bool is_settled(const PolynomialEquation& equation, const Roots& roots) {
+  if (roots.status == Status::uncertain) return false;
+  if (equation.exact.get == nullptr) return true;
+  return std::none_of(roots.list.begin(), roots.list.end(),
+                      [&](const Root& root) { return leaves_doubt(root, equation.exact.origin); });
+}
+
 /// The option that the tiers' own methods share.
 Parameters budget_of(const Parameters& options) {
   Parameters own;
@@ -129,11 +147,14 @@ void Certified::solve(const PolynomialEquation& equation, Roots& roots) const {
   // A leading zero that is known with an error only leaves the degree open.
   const bool is_degree = effective_degree(equation.c_error) < static_cast<int>(size);
   const bool is_short = equation.basis == Basis::power && is_degree && (size == 2 || size == 3);
-  if (is_short && solve_by_formula(equation, size, roots)) return;
-  roots.list.clear();
-  solve_by_signs(equation, roots);
-  roots.counters.tier = kDouble;
-  if (roots.status != Status::uncertain) return;
+  if (is_short && solve_by_formula(equation, size, roots)) {
+    if (is_settled(equation, roots)) return;
+  } else {
+    roots.list.clear();
+    solve_by_signs(equation, roots);
+    roots.counters.tier = kDouble;
+    if (is_settled(equation, roots)) return;
+  }
   const std::optional<ExactPolynomial> exact = exact_polynomial(equation);
   if (!exact) return;
   roots.list.clear();

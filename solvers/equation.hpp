@@ -12,6 +12,7 @@
 #include <span>
 #include <string_view>
 
+#include <graze/solvers/math/double_double_ball.hpp>
 #include <graze/solvers/math/interval.hpp>
 #include <graze/solvers/math/rng.hpp>
 
@@ -50,11 +51,13 @@ class Dyadic;  // math/big_integer.hpp
 
 /// Where a solver gets the coefficients without rounding, if it must: `get` fills c, as many as the equation
 /// has, in its basis. Null: the surface cannot say. A root's place is l = origin + x, the number whose digits
-/// count (Root::placed).
+/// count (Root::placed). `near` are the same coefficients in double-double, with bounds, or more of them, for
+/// solvers that place roots; empty: not known.
 struct ExactCoefficients {
   const void* self = nullptr;
   void (*get)(const void* self, std::span<Dyadic> c) = nullptr;
   double origin = 0;
+  std::span<const DoubleDoubleBall> near{};
 };
 
 /// sum_i c[i] x^i = 0 (power, ascending), sum_i c[i] B_{i,n}((x - lo)/(hi - lo)) = 0 (Bernstein), or

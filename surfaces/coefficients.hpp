@@ -32,13 +32,27 @@ T exactly(double x) {
 template <class T>
 requires std::is_floating_point_v<T> T sqr(T x) { return x * x; }
 
+namespace detail {
+
+template <class T>
+std::span<T> store(Arena& arena, std::span<const T> values) {
+  const std::span<T> kept = arena.array<T>(values.size());
+  std::copy(values.begin(), values.end(), kept.begin());
+  return kept;
+}
+
+}  // namespace detail
+
 /// Exact coefficients by `make(c)`, which fills a span of dyadics, where the block's solver may ask for them;
-/// it lives as long as the block's equations. The unknown is l - origin.
+/// it lives as long as the block's equations. The unknown is l - origin; `near` is copied.
 template <class Make>
-ExactCoefficients exact_by(EquationBlock& block, double origin, const Make& make) {
+ExactCoefficients exact_by(EquationBlock& block, double origin, const Make& make,
+                           std::span<const DoubleDoubleBall> near = {}) {
   if (!block.wants_coefficient_errors()) return {};
-  return {block.arena().make(make),
-          [](const void* self, std::span<Dyadic> c) { (*static_cast<const Make*>(self))(c); }, origin};
+  const auto get = [](const void* self, std::span<Dyadic> c) { (*static_cast<const Make*>(self))(c); };
+  ExactCoefficients exact{block.arena().make(make), get, origin};
+  if (block.wants_places()) exact.near = detail::store(block.arena(), near);
+  return exact;
 }
 
 /// The point p at l = centre: as rounded in `ray`, enclosed, or exactly.
@@ -61,13 +75,6 @@ std::array<T, 3> recentred_point(const LocalRay& ray) {
 }
 
 namespace detail {
-
-template <class T>
-std::span<T> store(Arena& arena, std::span<const T> values) {
-  const std::span<T> kept = arena.array<T>(values.size());
-  std::copy(values.begin(), values.end(), kept.begin());
-  return kept;
-}
 
 template <class T>
 bool all_finite(std::span<const T> values) {

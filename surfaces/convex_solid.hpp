@@ -28,6 +28,7 @@
 #include <vector>
 
 #include <graze/solvers/math/big_integer.hpp>
+#include <graze/solvers/math/double_double_ball.hpp>
 #include <graze/surfaces/coefficients.hpp>
 #include <graze/surfaces/exact.hpp>
 #include <graze/surfaces/surface.hpp>
@@ -272,6 +273,7 @@ DoubleDouble sharp(const Formula& formula, const Bits& bits) {
 struct Place {
   double value;  ///< rounded correctly, or the middle of a wide enclosure
   Interval enclosure;
+  std::optional<DoubleDoubleBall> near{};
 
   template <class T>
   [[nodiscard]] T as() const {
@@ -300,7 +302,8 @@ Place place_of(const Face& face, const Grain& grain, const Lifted& line) {
   const DoubleDouble l =
       scaled(sharp(top, grain.top(ray)) / sharp(bottom, grain.bottom(ray)), power_of_two(line.exponent));
   const DoubleDouble delta = l - ray.centre;
-  return {delta.hi, ball(delta.hi, 0x1p-53 * std::fabs(delta.hi) + 0x1p-90 * std::fabs(l.hi))};
+  const double error = 0x1p-90 * std::fabs(l.hi);
+  return {delta.hi, ball(delta.hi, 0x1p-53 * std::fabs(delta.hi) + error), DoubleDoubleBall(delta, error)};
 }
 
 /// Exact decisions, and the linear equation delta - place = 0 for each hit: divided through by n.d beyond
@@ -326,7 +329,9 @@ void pose_exact(std::span<const Face> faces, const Grain& grain, const LocalRay&
       to[1] = face->template bottom<Dyadic>(*where);
       to[0] = Dyadic(where->centre) * to[1] - face->template top<Dyadic>(*where);
     };
-    pose_in_delta(block, kind, ray.lo, ray.hi, ray.seed(), 1, rounded, exact_by(block, ray.centre, exact));
+    const std::array<DoubleDoubleBall, 2> near{-place.near.value_or(DoubleDoubleBall()), DoubleDoubleBall(1)};
+    pose_in_delta(block, kind, ray.lo, ray.hi, ray.seed(), 1, rounded,
+                  exact_by(block, ray.centre, exact, std::span(near).first(place.near ? 2 : 0)));
   });
 }
 

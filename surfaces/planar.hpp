@@ -29,6 +29,7 @@
 
 #include <graze/solvers/math/big_integer.hpp>
 #include <graze/surfaces/exact.hpp>
+#include <graze/surfaces/recentred_ball.hpp>
 #include <graze/surfaces/surface.hpp>
 
 namespace graze::planar {
@@ -68,6 +69,8 @@ struct ExactNumber {
       return near;
     } else if constexpr (std::is_same_v<T, Expansion>) {
       return exact;
+    } else if constexpr (std::is_same_v<T, DoubleDoubleBall>) {
+      return exact.parts().size() <= 1 ? T(exact.value()) : nearest_ball(exact);
     } else if constexpr (std::is_same_v<T, Dyadic>) {
       T sum;
       for (const double part : exact.parts()) sum += T(part);
@@ -268,6 +271,8 @@ Array3<T> point_at_centre(const LocalRay& ray) {
     const Array3<T> o = planar::exactly<T>(ray.o), d = planar::exactly<T>(ray.d);
     const T centre = graze::exactly<T>(ray.centre);
     return {o[0] + centre * d[0], o[1] + centre * d[1], o[2] + centre * d[2]};
+  } else if constexpr (std::is_same_v<T, DoubleDoubleBall>) {
+    return recentred_ball(ray);
   } else {
     return recentred_point<T>(ray);
   }
@@ -335,18 +340,30 @@ inline void pose_linear(EquationBlock& block, const LocalRay& ray, std::uint32_t
   pose_in_delta(block, kind, lo, root.hi + margin, seed, 1, rounded, exact);
 }
 
+/// The exact coefficients c0 and c1 of a linear equation by formulas generic over the number type, which hold
+/// what they need.
+template <class C0, class C1>
+ExactCoefficients exact_by_formulas(EquationBlock& block, const LocalRay& ray, const C0& c0, const C1& c1) {
+  const auto exact = [c0, c1](std::span<Dyadic> to) {
+    to[0] = c0(Dyadic());
+    to[1] = c1(Dyadic());
+  };
+  if (!block.wants_places()) return exact_by(block, ray.centre, exact);
+  const std::array<DoubleDoubleBall, 2> near{c0(DoubleDoubleBall()), c1(DoubleDoubleBall())};
+  return exact_by(block, ray.centre, exact, near);
+}
+
 /// Poses where the ray crosses the plane.
 inline void pose_crossing(EquationBlock& block, const LocalRay& ray, std::uint64_t seed,
                           const ExactPlane& plane, const Judge& judge) {
-  const Interval c1 = judge.enclosure([&](auto number) { return plane.slope<decltype(number)>(ray); });
-  const Interval c0 =
-      judge.enclosure([&](auto number) { return plane.height(point_at_centre<decltype(number)>(ray)); });
-  const auto exact = [self = &plane, where = &ray](std::span<Dyadic> to) {
-    to[0] = self->height(point_at_centre<Dyadic>(*where));
-    to[1] = self->slope<Dyadic>(*where);
+  const auto slope = [self = &plane, where = &ray](auto number) {
+    return self->slope<decltype(number)>(*where);
   };
-  pose_linear(block, ray, 0, seed, c0, c1,
-              plane.exact ? exact_by(block, ray.centre, exact) : ExactCoefficients{});
+  const auto height = [self = &plane, where = &ray](auto number) {
+    return self->height(point_at_centre<decltype(number)>(*where));
+  };
+  pose_linear(block, ray, 0, seed, judge.enclosure(height), judge.enclosure(slope),
+              plane.exact ? exact_by_formulas(block, ray, height, slope) : ExactCoefficients{});
 }
 
 /// How a ray and a plane lie.
@@ -389,12 +406,8 @@ inline void pose_touch(EquationBlock& block, const LocalRay& ray, Vec3 v, std::u
     using T = decltype(number);
     return inner(planar::exactly<T>(where->d), difference(point_at_centre<T>(*where), planar::exactly<T>(v)));
   };
-  const auto exact = [slope, height](std::span<Dyadic> to) {
-    to[0] = height(Dyadic());
-    to[1] = slope(Dyadic());
-  };
   pose_linear(block, ray, kTouch + which, ray.seed(), judge.enclosure(height), judge.enclosure(slope),
-              exact_by(block, ray.centre, exact));
+              exact_by_formulas(block, ray, height, slope));
 }
 
 /// The hit of an exact formulation's root: a touch counts twice and carries its vertex in t.

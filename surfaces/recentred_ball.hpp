@@ -53,7 +53,7 @@ void pose_balls(EquationBlock& block, std::span<const DoubleDoubleBall> c, doubl
   const auto rounded = [&](auto number) { return rounded_balls<decltype(number)>(block, c, in_float); };
   if (block.form() != Form::interval) {
     return pose_in_delta(block, 0, lo, hi, seed, static_cast<int>(c.size()) - 1, rounded,
-                         exact_by(block, origin, exact));
+                         exact_by(block, origin, exact, c));
   }
 
   const std::span<const Interval> enclosures = rounded(Interval{});

@@ -228,10 +228,23 @@ class Along {
   }
   /// For the equation whose coefficients these are, or some of them.
   [[nodiscard]] ExactCoefficients exact(EquationBlock& block, Slice slice = {}) const {
-    return exact_coefficients(block, form_, ray_, slice);
+    ExactCoefficients exact = exact_coefficients(block, form_, ray_, slice);
+    if (exact.get != nullptr && block.wants_places()) exact.near = near(block, slice);
+    return exact;
   }
 
  private:
+  /// The slice's coefficients in double-double, those of all higher powers; none where low parts underflow.
+  [[nodiscard]] std::span<const DoubleDoubleBall> near(EquationBlock& block, Slice slice) const {
+    const std::span<DoubleDoubleBall> balls = block.arena().array<DoubleDoubleBall>(3 - slice.first);
+    for (std::size_t i = 0; i < balls.size(); ++i) {
+      const std::size_t power = slice.first + i;
+      const double size = size_[power].size(), factor = power == 1 ? slice.factor : 1;
+      if (!(size > kFloor)) return {};
+      balls[i] = {scaled(wide_[power], factor), factor * kError * size};
+    }
+    return balls;
+  }
   [[nodiscard]] double discriminant_size() const {
     return size_[1].size() * size_[1].size() + size_[2].size() * size_[0].size();
   }
