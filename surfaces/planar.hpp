@@ -96,16 +96,17 @@ inline ExactNumber scaled_number(double x, int k, bool& exact) {
   return number;
 }
 
-/// Signs and enclosures of formulas: intervals first, expansions if they are exact for the numbers at hand.
+/// Signs and enclosures of formulas: intervals first, expansions if they are exact for the numbers at hand,
+/// else integers if those hold the figure.
 class Judge {
  public:
-  explicit Judge(bool exact) : exact_(exact) {}
+  explicit Judge(bool exact, bool integers = false) : exact_(exact), integers_(integers) {}
 
   /// -1, 0, 1; a sign that nothing can tell makes the judge `undecided`.
   template <class Formula>
   int sign(const Formula& formula) {
-    const std::optional<int> told =
-        sign_of(formula(Interval{}), exact_, [&] { return formula(Expansion{}); });
+    std::optional<int> told = sign_of(formula(Interval{}), exact_, [&] { return formula(Expansion{}); });
+    if (!told && integers_) told = formula(Dyadic()).sign();
     undecided_ = undecided_ || !told;
     return told.value_or(0);
   }
@@ -113,7 +114,10 @@ class Judge {
   /// An enclosure no wider than `relative` times its magnitude, as far as the numbers allow.
   template <class Formula>
   [[nodiscard]] Interval enclosure(const Formula& formula, double relative = kSharp) const {
-    return sharp_enclosure(formula, exact_, relative);
+    const Interval told = sharp_enclosure(formula, exact_, relative);
+    if (exact_ || !integers_ || width(told) <= relative * mig(told)) return told;
+    const Dyadic value = formula(Dyadic());
+    return {value.round_down(), value.round_up()};
   }
 
   [[nodiscard]] bool undecided() const { return undecided_; }
@@ -122,7 +126,7 @@ class Judge {
   static constexpr double kSharp = 0x1p-51;
 
  private:
-  bool exact_;
+  bool exact_, integers_;
   bool undecided_ = false;
 };
 
@@ -383,7 +387,7 @@ template <class Inside, class Within>
 void pose_exact(EquationBlock& block, const LocalRay& ray, const ExactPlane& plane, bool exact,
                 const Inside& is_inside, const Within& pose_within) {
   if (!is_usable(ray)) return block.settle(Status::failed);
-  Judge judge(exact && plane.holds(ray));
+  Judge judge(exact && plane.holds(ray), plane.exact);
   const Meeting meeting = meet(judge, plane, ray);
   const bool inside = meeting == Meeting::ahead && !judge.undecided() && is_inside(judge);
   if (meeting == Meeting::within && !judge.undecided()) pose_within(judge);

@@ -15,7 +15,7 @@ FormulationInfo PlaneExact::info() {
 
 void PlaneExact::pose(const LocalRay& ray, EquationBlock& block) const {
   if (!planar::is_usable(ray)) return block.settle(Status::failed);
-  planar::Judge judge(data.plane.holds(ray));
+  planar::Judge judge(data.plane.holds(ray), data.plane.exact);
   const planar::Meeting meeting = planar::meet(judge, data.plane, ray);
   const bool from_behind =
       data.one_sided && meeting == planar::Meeting::ahead &&
