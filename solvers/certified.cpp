@@ -17,7 +17,7 @@ namespace graze {
 namespace {
 
 /// As Counters::tier reports them.
-enum Tier : std::uint32_t { kDouble = 1, kExact = 3 };  // 2: double-double, in kernels
+enum Tier : std::uint32_t { kDouble = 1, kExact = 3 };  // 2: double-double, as descartes.cpp reports it
 
 double error_of(const PolynomialEquation& equation, std::size_t i) {
   return equation.c_error.empty() ? 0 : equation.c_error[i];
@@ -116,6 +116,7 @@ SolverInfo Certified::info() {
   info.claims = {.finds_touching_roots = true, .certified = true, .deterministic = true};
   info.forms = {Form::polynomial, Form::interval};
   info.trusts_surface = true;
+  info.digits = Digits::near;
   return info;
 }
 
@@ -152,7 +153,7 @@ void Certified::solve(const PolynomialEquation& equation, Roots& roots) const {
   } else {
     roots.list.clear();
     solve_by_signs(equation, roots);
-    roots.counters.tier = kDouble;
+    roots.counters.tier = std::max<std::uint32_t>(roots.counters.tier, kDouble);
     if (is_settled(equation, roots)) return;
   }
   const std::optional<ExactPolynomial> exact = exact_polynomial(equation);

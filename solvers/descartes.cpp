@@ -9,6 +9,7 @@
 #include <graze/solvers/bernstein_copy.hpp>
 #include <graze/solvers/isolation.hpp>
 #include <graze/solvers/math/bernstein.hpp>
+#include <graze/solvers/math/double_double_ball.hpp>
 #include <graze/solvers/math/polynomial.hpp>
 
 namespace graze {
@@ -27,9 +28,18 @@ struct Controls {
   }
 };
 
-/// The power basis, the unknown is x.
+/// A ball as a value with its error: the sign is the ball's where the ball has one.
+Evaluation evaluation_of(const DoubleDoubleBall& ball) {
+  constexpr double kSlack = 1 + 0x1p-50;  // the roundings of the bound itself
+  return {ball.value().hi, kSlack * (std::fabs(ball.value().lo) + ball.error())};
+}
+
+/// The power basis, the unknown is x. What doubles leave without a sign is computed again with the
+/// coefficients in double-double, where the equation has them.
 struct PowerForm {
   std::span<const double> c, c_error;
+  std::span<const DoubleDoubleBall> near{};
+  mutable bool used_near = false;
 
   /// Bernstein coefficients of p on [a, b] times binomials: Horner's rule, in which a factor x turns s_j into
   /// a s_j + b s_{j-1}. No division, and a and b are exact.
@@ -50,10 +60,57 @@ struct PowerForm {
       }
     }
   }
-  [[nodiscard]] Evaluation value(double x) const { return evaluate(c, c_error, x); }
-  [[nodiscard]] DerivativeEvaluation slope(double x) const { return evaluate_with_derivative(c, c_error, x); }
+  /// The same in double-double, where the equation has such coefficients.
+  void finer_controls(double a, double b, Controls& out) const {
+    used_near = true;
+    const DoubleDoubleBall from(a), to(b);
+    const std::size_t n = c.size() - 1;
+    std::array<DoubleDoubleBall, kMaxBernsteinSize> s;
+    s[0] = near[n];
+    for (std::size_t k = 1; k <= n; ++k) {
+      for (std::size_t j = k + 1; j-- > 0;) {
+        const detail::Ball ways = detail::binomial_ball(k, j);
+        DoubleDoubleBall sum = DoubleDoubleBall(ways.value, ways.error) * near[n - k];
+        if (j < k) sum += from * s[j];
+        if (j > 0) sum += to * s[j - 1];
+        s[j] = sum;
+      }
+    }
+    for (std::size_t j = 0; j <= n; ++j) {
+      const Evaluation control = evaluation_of(s[j]);
+      out.value[j] = control.value;
+      out.error[j] = control.error;
+    }
+  }
+  [[nodiscard]] Evaluation value(double x) const {
+    const Evaluation quick = evaluate(c, c_error, x);
+    return near.empty() || std::fabs(quick.value) > quick.error ? quick : near_value(x);
+  }
+  [[nodiscard]] DerivativeEvaluation slope(double x) const {
+    DerivativeEvaluation p = evaluate_with_derivative(c, c_error, x);
+    if (near.empty() || std::fabs(p.value) > p.error) return p;
+    const Evaluation finer = near_value(x);
+    p.value = finer.value;
+    p.error = finer.error;
+    return p;
+  }
+  /// One Newton step with a residual in double-double, from a root that doubles know no better.
+  [[nodiscard]] double polished(double x, double a, double b) const {
+    if (near.empty()) return x;
+    const double moved = x - near_value(x).value / evaluate_with_derivative(c, c_error, x).derivative;
+    return moved > a && moved < b ? moved : x;
+  }
+  [[nodiscard]] bool has_finer() const { return !near.empty(); }
   [[nodiscard]] bool is_zero_at(double x) const { return evaluate(c, c_error, point(x)) == Interval{}; }
   [[nodiscard]] static Interval unknown(Interval x) { return x; }
+
+ private:
+  [[nodiscard]] Evaluation near_value(double x) const {
+    DoubleDoubleBall p;
+    const DoubleDoubleBall at(x);
+    for (std::size_t i = c.size(); i-- > 0;) p = p * at + near[i];
+    return evaluation_of(p);
+  }
 };
 
 /// The Bernstein basis, the unknown is t = (x - lo) / (hi - lo).
@@ -66,6 +123,9 @@ struct BernsteinForm {
     out.size = b.size();
     bernstein_restrict(b, b_error, {from, to}, {out.value.data(), out.size}, {out.error.data(), out.size});
   }
+  static void finer_controls(double /*from*/, double /*to*/, Controls& /*out*/) {}
+  [[nodiscard]] static double polished(double t, double /*a*/, double /*b*/) { return t; }
+  [[nodiscard]] static bool has_finer() { return false; }
   [[nodiscard]] Evaluation value(double t) const { return bernstein_evaluate(b, b_error, t); }
   [[nodiscard]] DerivativeEvaluation slope(double t) const {
     return bernstein_evaluate_with_derivative(b, b_error, t);
@@ -90,6 +150,7 @@ class CertifiedSearch {
 
   /// Depth first from the left, so that roots come out in ascending order.
   void run(double lo, double hi) {
+    finest_ = kFinest * (hi - lo);
     const bool zero_lo = form_.is_zero_at(lo), zero_hi = form_.is_zero_at(hi);
     if (zero_lo) add({lo, lo});
     if (lo == hi) {
@@ -103,6 +164,8 @@ class CertifiedSearch {
         break;
       }
       examine(stack_[--depth_]);
+      // Whoever has finer coefficients has exact ones too, and asks those for every root.
+      if (form_.has_finer() && roots_.status == Status::uncertain) return;
     }
     if (zero_hi) add({hi, hi});
   }
@@ -132,6 +195,22 @@ class CertifiedSearch {
     ++roots_.counters.iterations;
     ++roots_.counters.evaluations;
     form_.controls(piece.a, piece.b, controls_);
+    if (settle(piece)) return;
+    const bool is_open = !is_told_;
+    if (is_open && form_.has_finer()) {
+      ++roots_.counters.evaluations;
+      form_.finer_controls(piece.a, piece.b, controls_);
+      if (settle(piece)) return;
+    }
+    if (is_noise() || (is_open && form_.has_finer() && piece.b - piece.a < finest_)) {
+      roots_.status = Status::uncertain;
+    } else {
+      split(piece);
+    }
+  }
+
+  /// Whether the control values tell all: no root, or one, which is refined and listed.
+  bool settle(const Piece& piece) {
     const std::size_t last = controls_.size - 1;
     if (piece.zero_a) controls_.value[0] = controls_.error[0] = 0;
     if (piece.zero_b) controls_.value[last] = controls_.error[last] = 0;
@@ -139,21 +218,18 @@ class CertifiedSearch {
     const bool clear_a = controls_.is_clear(piece.zero_a ? std::min<std::size_t>(1, last) : 0);
     const bool clear_b = controls_.is_clear(piece.zero_b && last > 0 ? last - 1 : last);
     const SignVariations variations = controls_.variations();
+    is_told_ = clear_a && clear_b && variations.lower == variations.upper;
     if (clear_a && clear_b) {
-      if (variations.upper == 0) return;
+      if (variations.upper == 0) return true;
       if (variations.lower == 1 && variations.upper == 1 && !piece.zero_a && !piece.zero_b) {
         const int at_a = sign(piece.a), at_b = sign(piece.b);
         if (at_a != 0 && at_b != 0) {
           if (at_a != at_b) refine(piece.a, piece.b, at_a);
-          return;
+          return true;
         }
       }
     }
-    if (is_noise()) {
-      roots_.status = Status::uncertain;
-    } else {
-      split(piece);
-    }
+    return false;
   }
 
   /// No control value has a sign: smaller pieces will have none either.
@@ -180,14 +256,15 @@ class CertifiedSearch {
   /// (a, b) holds exactly one root and the signs at its ends are proved. Newton finds it; then the ends come
   /// as near as their signs can be proved.
   void refine(double a, double b, int at_a) {
-    const auto p = [&](double x) { return form_.slope(x); };
-    const auto noise = [&](double x) { return form_.value(x).error; };
+    const auto p = [&](double at) { return form_.slope(at); };
+    const auto noise = [&](double at) { return form_.value(at).error; };
     const auto root = newton_in_bracket(p, noise, a, b, at_a < 0, BracketStop<double>{});
     roots_.counters.evaluations += root.steps;
     roots_.counters.iterations += root.steps;
-    const double start = std::max(2 * form_.value(root.x).error / std::fabs(root.derivative), ulp(root.x));
-    const double below = end_with_sign(root.x, a, start, at_a);
-    const double above = end_with_sign(root.x, b, start, -at_a);
+    const double x = form_.polished(root.x, a, b);
+    const double start = std::max(2 * form_.value(x).error / std::fabs(root.derivative), ulp(x));
+    const double below = end_with_sign(x, a, start, at_a);
+    const double above = end_with_sign(x, b, start, -at_a);
     add({below, above});
   }
 
@@ -212,6 +289,12 @@ class CertifiedSearch {
   const Form& form_;
   std::uint32_t budget_;
   Roots& roots_;
+  /// Of the interval: pieces in which doubles tell less are left to integers. Roots that are nearer to each
+  /// other are almost always one: a ray an ulp beside a tangent has two that are 2^-26 apart.
+  static constexpr double kFinest = 0x1p-36;
+
+  double finest_ = 0;
+  bool is_told_ = false;  ///< the number of variations of the last piece is known, and so are its ends' signs
   Controls controls_;
   std::array<Piece, kDepth> stack_;
   std::size_t depth_ = 0;
@@ -347,7 +430,10 @@ void Descartes::solve(const BasicPolynomialEquation<double>& equation, Roots& ro
       roots.status = Status::uncertain;
     } else if (lo <= hi) {
       const auto error = equation.c_error.empty() ? equation.c_error : equation.c_error.first(size);
-      CertifiedSearch<PowerForm>(PowerForm{equation.c.first(size), error}, budget_, roots).run(lo, hi);
+      const auto near = equation.exact.near.empty() ? equation.exact.near : equation.exact.near.first(size);
+      const PowerForm form{equation.c.first(size), error, near};
+      CertifiedSearch<PowerForm>(form, budget_, roots).run(lo, hi);
+      if (form.used_near) roots.counters.tier = 2;  // as solvers/certified.md counts them
     }
   }
 }

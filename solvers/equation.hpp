@@ -45,6 +45,10 @@ struct Epsilons {
   double shallow = 0;
 };
 
+/// What a solver asks of a polynomial equation beside c: nothing; ExactCoefficients::near; or that, and that
+/// it is left to tell apart the roots whose l round to one double (Root::placed).
+enum class Digits : std::uint8_t { rounded, near, placed };
+
 enum class Basis : std::uint8_t { power, bernstein, chebyshev };
 
 class Dyadic;  // math/big_integer.hpp

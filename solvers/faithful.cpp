@@ -67,7 +67,12 @@ bool place(const PolynomialEquation& equation, Root& root) {
   root.side = rest.lo > 0 ? 1 : rest.hi < 0 ? -1 : 0;
   // A root alone in its equation may share l with another equation's: which neighbour it may move to must be
   // known.
-  if (equation.c.size() == 2 && root.side == 0 && rest != Interval{}) return false;
+  if (equation.c.size() == 2 && root.side == 0 && rest != Interval{}) {
+    const std::optional<ExactPolynomial> exact = exact_polynomial(equation);
+    if (!exact || exact->degree() != 1) return false;
+    const int sign = exact->sign_at(Dyadic(rounded) - Dyadic(equation.exact.origin));
+    root.side = -sign * exact->leading().sign();
+  }
   root.tail = tail;
   root.placed = true;
   return true;
@@ -101,7 +106,7 @@ SolverInfo Faithful::info() {
   info.summary = "every root, its l within 1 ulp: certified, then the digits of the exact root";
   info.source = "graze (solvers/faithful.md)";
   info.page = "solvers/faithful.md";
-  info.places = true;
+  info.digits = Digits::placed;
   return info;
 }
 

@@ -36,9 +36,8 @@ struct SolverInfo {
   std::vector<Form> forms;
   /// Takes the surface's first formulation that it can, in whatever form, instead of its own best form.
   bool trusts_surface = false;
-  /// Places the roots of polynomials (Root::placed), and tells apart those whose l round to one double.
-  bool places = false;
-  int max_degree = 0;  ///< of the polynomials it takes; 0: any. Above it the answer is `failed`
+  Digits digits = Digits::rounded;  ///< that it asks of polynomial equations
+  int max_degree = 0;               ///< of the polynomials it takes; 0: any. Above it the answer is `failed`
 };
 
 /// A solver is a plain struct, built once from its options, that solves one equation of a form it takes:

@@ -51,7 +51,7 @@ ExactCoefficients exact_by(EquationBlock& block, double origin, const Make& make
   if (!block.wants_coefficient_errors()) return {};
   const auto get = [](const void* self, std::span<Dyadic> c) { (*static_cast<const Make*>(self))(c); };
   ExactCoefficients exact{block.arena().make(make), get, origin};
-  if (block.wants_places()) exact.near = detail::store(block.arena(), near);
+  if (block.digits() >= Digits::near) exact.near = detail::store(block.arena(), near);
   return exact;
 }
 

@@ -76,13 +76,13 @@ struct Posed {
 class EquationBlock {
  public:
   /// Empties the block for equations of `form`. With `coefficient_errors` formulations also bound the
-  /// rounding errors of polynomial coefficients, which a certified solver needs and others do not pay for;
-  /// with `places` they leave it to the solver to tell roots apart whose l round to one double.
-  void reset(Form form, Precision precision, bool coefficient_errors, bool places = false) {
+  /// rounding errors of polynomial coefficients, which a certified solver needs and others do not pay for,
+  /// and what `digits` says.
+  void reset(Form form, Precision precision, bool coefficient_errors, Digits digits = Digits::rounded) {
     form_ = form;
     precision_ = precision;
     coefficient_errors_ = coefficient_errors;
-    places_ = places;
+    digits_ = digits;
     arena_.clear();
     std::apply([](auto&... list) { (list.clear(), ...); }, equations_);
     posed_.clear();
@@ -92,7 +92,7 @@ class EquationBlock {
   [[nodiscard]] Form form() const { return form_; }
   [[nodiscard]] Precision precision() const { return precision_; }
   [[nodiscard]] bool wants_coefficient_errors() const { return coefficient_errors_; }
-  [[nodiscard]] bool wants_places() const { return places_; }
+  [[nodiscard]] Digits digits() const { return digits_; }
   [[nodiscard]] Arena& arena() { return arena_; }
 
   /// The ray whose equations come next.
@@ -120,7 +120,7 @@ class EquationBlock {
   Form form_ = Form::polynomial;
   Precision precision_ = Precision::binary64;
   bool coefficient_errors_ = false;
-  bool places_ = false;
+  Digits digits_ = Digits::rounded;
   std::uint32_t ray_ = 0;
   Arena arena_;
   std::tuple<std::vector<PolynomialEquation>, std::vector<ScalarEquation>, std::vector<IntervalEquation>,

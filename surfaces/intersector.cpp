@@ -156,7 +156,7 @@ Intersector::Intersector(const SurfaceEntry& surface, const SolverEntry& solver,
       options_(method.options),
       pairing_(pair_up(solver, surface, method.formulation, method.precision)),
       certified_(solver.info.claims.certified && !surface.formulations[pairing_.formulation].is_plain),
-      places_(solver.info.places),
+      digits_(solver.info.digits),
       group_(surface.make_group(pairing_.formulation)),
       solver_(solver.make(method.options)) {
   const KernelEntry* const kernel = kernel_for(solver, surface, pairing_.precision);
@@ -209,7 +209,7 @@ void Intersector::solve_tasks(std::span<const Ray> rays, std::span<const Task> t
   if (tasks.empty()) return;
   localize(rays, tasks, work);
   const std::span<bool> inside{work.inside.data(), tasks.size()};
-  work.equations.reset(pairing_.form, pairing_.precision, certified_, places_);
+  work.equations.reset(pairing_.form, pairing_.precision, certified_, digits_);
   group_->pose(work.local, inside, work.equations);
   solve(work);
 

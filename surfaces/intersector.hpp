@@ -104,7 +104,7 @@ class Intersector {
   Parameters options_;
   Pairing pairing_;
   bool certified_ = false;
-  bool places_ = false;
+  Digits digits_ = Digits::rounded;
   std::unique_ptr<AnyGroup> group_;
   std::unique_ptr<AnySolver> solver_;
   std::unique_ptr<AnyKernel> kernel_;

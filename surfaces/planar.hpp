@@ -352,7 +352,7 @@ ExactCoefficients exact_by_formulas(EquationBlock& block, const LocalRay& ray, c
     to[0] = c0(Dyadic());
     to[1] = c1(Dyadic());
   };
-  if (!block.wants_places()) return exact_by(block, ray.centre, exact);
+  if (block.digits() < Digits::near) return exact_by(block, ray.centre, exact);
   const std::array<DoubleDoubleBall, 2> near{c0(DoubleDoubleBall()), c1(DoubleDoubleBall())};
   return exact_by(block, ray.centre, exact, near);
 }

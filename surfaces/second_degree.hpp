@@ -229,7 +229,7 @@ class Along {
   /// For the equation whose coefficients these are, or some of them.
   [[nodiscard]] ExactCoefficients exact(EquationBlock& block, Slice slice = {}) const {
     ExactCoefficients exact = exact_coefficients(block, form_, ray_, slice);
-    if (exact.get != nullptr && block.wants_places()) exact.near = near(block, slice);
+    if (exact.get != nullptr && block.digits() >= Digits::near) exact.near = near(block, slice);
     return exact;
   }
 
@@ -240,6 +240,7 @@ class Along {
     for (std::size_t i = 0; i < balls.size(); ++i) {
       const std::size_t power = slice.first + i;
       const double size = size_[power].size(), factor = power == 1 ? slice.factor : 1;
+      if (size == 0) continue;  // no term: zero
       if (!(size > kFloor)) return {};
       balls[i] = {scaled(wide_[power], factor), factor * kError * size};
     }
@@ -427,7 +428,7 @@ void pose_at_vertex(EquationBlock& block, const LocalRay& ray, const Along<Form>
   }
   const double half = std::sqrt(d.value) / q.a().size();
   const double reach = half + offset;
-  if (half < ulp(ray.centre) && !block.wants_places())
+  if (half < ulp(ray.centre) && block.digits() < Digits::placed)
     return pose_neighbours(block, ray, -q.b().value / q.a().value, half);
   pose_on<3>(block, ray, kSimple, -reach, reach, {q.c(), twice(q.b()), q.a()}, q.exact(block));
 }
