@@ -212,6 +212,10 @@ struct Cell {
   [[nodiscard]] bool finds_touching_roots() const {
     return claims().finds_touching_roots && form != Form::interval;
   }
+  /// It promises digits that inclusions do not prove: a proved root may leave the answer uncertain.
+  [[nodiscard]] bool may_doubt_digits() const {
+    return solver->info.digits == Digits::placed && form == Form::interval;
+  }
   /// A solver from random starts gets enough of them for what is asked here.
   [[nodiscard]] std::unique_ptr<AnySolver> make() const {
     Parameters options;
@@ -305,7 +309,9 @@ TEST_P(SolverCell, FindsTheKnownSimpleRootsAndNoOther) {
     const Roots roots = solve(known);
     expect_orderly(known, roots);
     expect_certificates_hold(known, roots);
-    EXPECT_EQ(roots.status, Status::ok) << known.name;
+    if (!GetParam().may_doubt_digits()) {
+      EXPECT_EQ(roots.status, Status::ok) << known.name;
+    }
     // 1e-9: degree 12 on [-6, 6] has roots of condition 1e6 or so.
     expect_roots(known, roots, 1e-9);
     ++solved;
@@ -398,7 +404,7 @@ TEST_P(SolverCell, AnOkUnderACertifiedClaimIsNeverWrong) {
     EXPECT_TRUE(!known.touches() || GetParam().finds_touching_roots()) << i;
   }
   std::printf("seed %llu: %d of %d certified\n", static_cast<unsigned long long>(kSeed), ok, count);
-  if (claims().certified) {
+  if (claims().certified && !GetParam().may_doubt_digits()) {
     EXPECT_GT(ok, count / 3);
   }
 }
