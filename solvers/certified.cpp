@@ -97,6 +97,16 @@ bool is_settled(const PolynomialEquation& equation, const Roots& roots) {
                       [&](const Root& root) { return leaves_doubt(root, equation.exact.origin); });
 }
 
+/// Roots that their enclosure, or a shallow slope, leaves open by more than a few ulps take their digits from
+/// double-double where the equation has such coefficients.
+void sharpen(const PolynomialEquation& equation, Roots& roots) {
+  if (equation.exact.near.empty()) return;
+  for (Root& root : roots.list) {
+    const double size = std::fabs(equation.exact.origin) + std::fabs(root.x);
+    if (root.radius > 0x1p-50 * size) place_root(equation, root);
+  }
+}
+
 /// The option that the tiers' own methods share.
 Parameters budget_of(const Parameters& options) {
   Parameters own;
@@ -112,6 +122,7 @@ SolverInfo Certified::info() {
   info.source = "graze (solvers/certified.md)";
   info.page = "solvers/certified.md";
   info.options = {{"budget", "20000", "evaluations of the first tier"},
+                  {"double_double", "true", "whether tier 2 is used; false: to measure what it saves"},
                   {"instruction_set", "best", "of the surfaces' kernels: best, baseline, avx2, avx512"}};
   info.claims = {.finds_touching_roots = true, .certified = true, .deterministic = true};
   info.forms = {Form::polynomial, Form::interval};
@@ -134,7 +145,9 @@ InstructionSet Certified::instruction_set(const Parameters& options) {
 }
 
 Certified::Certified(const Parameters& options)
-    : variations_(budget_of(options)), inclusions_(budget_of(options)) {
+    : double_double_(options.flag("double_double", true)),
+      variations_(budget_of(options)),
+      inclusions_(budget_of(options)) {
   static_cast<void>(instruction_set(options));
 }
 
@@ -149,12 +162,12 @@ void Certified::solve(const PolynomialEquation& equation, Roots& roots) const {
   const bool is_degree = effective_degree(equation.c_error) < static_cast<int>(size);
   const bool is_short = equation.basis == Basis::power && is_degree && (size == 2 || size == 3);
   if (is_short && solve_by_formula(equation, size, roots)) {
-    if (is_settled(equation, roots)) return;
+    if (is_settled(equation, roots)) return finish(equation, roots);
   } else {
     roots.list.clear();
     solve_by_signs(equation, roots);
     roots.counters.tier = std::max<std::uint32_t>(roots.counters.tier, kDouble);
-    if (is_settled(equation, roots)) return;
+    if (is_settled(equation, roots)) return finish(equation, roots);
   }
   const std::optional<ExactPolynomial> exact = exact_polynomial(equation);
   if (!exact) return;
@@ -163,11 +176,17 @@ void Certified::solve(const PolynomialEquation& equation, Roots& roots) const {
   add_exact_roots(*exact, equation, roots);
 }
 
+void Certified::finish(const PolynomialEquation& equation, Roots& roots) const {
+  if (double_double_) sharpen(equation, roots);
+}
+
 /// By variations of sign; by inclusions where there are too many coefficients for that. Chebyshev equations
 /// of too high a degree fail in either.
 void Certified::solve_by_signs(const PolynomialEquation& equation, Roots& roots) const {
   if (equation.c.size() <= kMaxBernsteinSize) {
-    variations_.solve(equation, roots);
+    PolynomialEquation signs = equation;
+    if (!double_double_) signs.exact.near = {};
+    variations_.solve(signs, roots);
   } else {
     inclusions_.solve(equation, roots);
   }

@@ -9,11 +9,11 @@
 //           are not exact, or inclusions, leave the count open (the listed roots are proved still);
 //           coincident for the zero polynomial; invalid for coefficients that are not finite
 // error     radius proved; the last tier's roots are the doubles nearest to the exact ones
-// cost      tier 1, double: degree 1 and 2 by formula, else variations of sign; tier 3, exact: integers,
+// cost      tier 1, double: degree 1 and 2 by formula, else variations of sign; tier 2, double-double: the
+//           same search where double leaves a piece open, 1 to 2 us a piece; tier 3, exact: integers,
 //           microseconds to milliseconds, allocates. Counters::tier tells which one answered
-// source    tier 1: closed_form.hpp, descartes.hpp, interval_bisection.hpp; exact: math/exact_polynomial.hpp;
-// derivation:
-//           solvers/certified.md
+// source    tiers 1 and 2: closed_form.hpp, descartes.hpp, interval_bisection.hpp; exact: exact_roots.hpp;
+//           derivation: solvers/certified.md
 #pragma once
 
 #include <graze/solvers/descartes.hpp>
@@ -36,7 +36,9 @@ class Certified {
 
  private:
   void solve_by_signs(const PolynomialEquation& equation, Roots& roots) const;
+  void finish(const PolynomialEquation& equation, Roots& roots) const;
 
+  bool double_double_;
   Descartes variations_;
   IntervalBisection inclusions_;
 };

@@ -152,11 +152,8 @@ class CertifiedSearch {
   void run(double lo, double hi) {
     finest_ = kFinest * (hi - lo);
     const bool zero_lo = form_.is_zero_at(lo), zero_hi = form_.is_zero_at(hi);
+    if (lo == hi) return examine_point(lo, zero_lo);
     if (zero_lo) add({lo, lo});
-    if (lo == hi) {
-      if (!zero_lo && sign(lo) == 0) roots_.status = Status::uncertain;
-      return;
-    }
     push({lo, hi, zero_lo, zero_hi});
     while (depth_ > 0) {
       if (roots_.counters.iterations >= budget_) {
@@ -175,6 +172,14 @@ class CertifiedSearch {
     double a, b;
     bool zero_a, zero_b;
   };
+
+  /// An interval of one point: a root there is a simple one if p' has a sign.
+  void examine_point(double x, bool is_zero) {
+    const DerivativeEvaluation p = form_.slope(x);
+    const bool is_simple = std::fabs(p.derivative) > p.derivative_error;
+    if (is_zero && is_simple) return add({x, x});
+    if (is_zero || sign(x) == 0) roots_.status = Status::uncertain;
+  }
 
   void push(const Piece& piece) {
     if (depth_ < kDepth) {

@@ -10,6 +10,9 @@
 //           proved still; coincident for the zero polynomial; failed above degree 64; invalid for
 //           coefficients that are not finite. In float nothing is proved: a piece on which p cannot be
 //           told from zero is a root as in bezier_clipping.hpp
+//           An equation with ExactCoefficients::near is searched further: what doubles leave open is
+//           computed in double-double, down to pieces of 2^-36 of the interval, and the search ends at the
+//           first that is open still
 // error     radius, proved (double): the nearest points on both sides at which the sign of p is certain
 // cost      a piece: n^2 / 2 steps of 60 operations; 1 to 2 pieces a bisection until the roots are apart,
 //           then 3 to 6 Newton steps and 2 or more signs a root; no allocation up to degree 32

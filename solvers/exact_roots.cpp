@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <graze/solvers/math/chebyshev.hpp>
+#include <graze/solvers/math/double_double_ball.hpp>
 #include <graze/solvers/math/polynomial.hpp>
 #include <graze/solvers/math/scaling.hpp>
 
@@ -101,7 +102,68 @@ Root root_of(Placed& placed, double origin) {
   return root;
 }
 
+/// Coefficient i to twice a double's digits; none where nobody knows it.
+std::optional<DoubleDoubleBall> near_coefficient(const PolynomialEquation& equation, std::size_t i) {
+  if (!equation.exact.near.empty()) return equation.exact.near[i];
+  if (!equation.c_error.empty() && equation.c_error[i] != 0) return std::nullopt;
+  return DoubleDoubleBall(equation.c[i]);
+}
+
+/// p(x) enclosed in double-double; none where the coefficients are not known so well.
+std::optional<Interval> residual_at(const PolynomialEquation& equation, double x) {
+  DoubleDoubleBall p;
+  const DoubleDoubleBall at(x);
+  for (std::size_t i = equation.c.size(); i-- > 0;) {
+    const auto c = near_coefficient(equation, i);
+    if (!c) return std::nullopt;
+    p = p * at + *c;
+  }
+  return p.enclosure();
+}
+
+/// root - x for a root that lies alone within its radius: an interval Newton step (mean value theorem).
+std::optional<Interval> step_to_root(const PolynomialEquation& equation, const Root& root) {
+  const auto residual = residual_at(equation, root.x);
+  if (!residual) return std::nullopt;
+  const Interval slope = evaluate_derivative(equation.c, equation.c_error, ball(root.x, root.radius));
+  const Interval step = -*residual / slope;
+  if (!std::isfinite(width(step))) return std::nullopt;
+  return step;
+}
+
+/// Whether l, which is off by `rest`, is within three quarters of the way to its neighbours: then within 1
+/// ulp of the exact l, and on its side of zero.
+bool is_faithful(double l, const Interval& rest) {
+  constexpr double kShare = 0.75, kInfinity = std::numeric_limits<double>::infinity();
+  return std::isfinite(l) && l != 0 && rest.lo >= -kShare * (l - std::nextafter(l, -kInfinity)) &&
+         rest.hi <= kShare * (std::nextafter(l, kInfinity) - l);
+}
+
 }  // namespace
+
+bool place_root(const PolynomialEquation& equation, Root& root) {
+  if (equation.basis != Basis::power || root.multiplicity != 1) return false;
+  const auto step = step_to_root(equation, root);
+  if (!step) return false;
+  const double tail = mid(*step);
+  // As the scene adds them.
+  const DoubleDouble l = two_sum(equation.exact.origin, root.x);
+  const double rounded = l.hi + (l.lo + tail);
+  const Interval rest = ((point(l.hi) - point(rounded)) + point(l.lo)) + *step;
+  if (!is_faithful(rounded, rest)) return false;
+  root.side = rest.lo > 0 ? 1 : rest.hi < 0 ? -1 : 0;
+  // A root alone in its equation may share l with another equation's: which neighbour it may move to must be
+  // known.
+  if (equation.c.size() == 2 && root.side == 0 && rest != Interval{}) {
+    const std::optional<ExactPolynomial> exact = exact_polynomial(equation);
+    if (!exact || exact->degree() != 1) return false;
+    const int sign = exact->sign_at(Dyadic(rounded) - Dyadic(equation.exact.origin));
+    root.side = -sign * exact->leading().sign();
+  }
+  root.tail = tail;
+  root.placed = true;
+  return true;
+}
 
 std::optional<ExactPolynomial> exact_polynomial(const PolynomialEquation& equation) {
   std::vector<Dyadic> c;
@@ -128,13 +190,6 @@ void add_exact_roots(const ExactPolynomial& p, const PolynomialEquation& equatio
   for (Placed& one : placed) {
     if (std::isfinite(one.l)) roots.list.push_back(root_of(one, equation.exact.origin));
   }
-}
-
-bool solve_exactly(const PolynomialEquation& equation, Roots& roots) {
-  const std::optional<ExactPolynomial> p = exact_polynomial(equation);
-  if (!p) return false;
-  add_exact_roots(*p, equation, roots);
-  return true;
 }
 
 }  // namespace graze

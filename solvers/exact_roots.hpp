@@ -1,4 +1,4 @@
-// The last tier of ladders: a polynomial equation solved in integers, each root placed to the last digit.
+// The upper tiers of ladders: a polynomial equation solved in integers, and roots placed to the last digit.
 //
 // solves    p(x) = 0 on the closed interval [lo, hi], from the equation's exact coefficients
 // needs     a usable polynomial equation
@@ -26,7 +26,8 @@ std::optional<ExactPolynomial> exact_polynomial(const PolynomialEquation& equati
 /// Appends the roots of p, the equation's exact polynomial, and sets the status.
 void add_exact_roots(const ExactPolynomial& p, const PolynomialEquation& equation, Roots& roots);
 
-/// Both; false, and nothing done, where the exact polynomial is not known.
-bool solve_exactly(const PolynomialEquation& equation, Roots& roots);
+/// Places a simple root that lies alone within its radius by one interval Newton step, its residual in
+/// double-double; false, and nothing done, where that proves no place (faithful.md has the proof).
+bool place_root(const PolynomialEquation& equation, Root& root);
 
 }  // namespace graze

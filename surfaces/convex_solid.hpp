@@ -9,7 +9,7 @@
 //           positive factor for both), for T = double, float, Interval and Expansion, and a Grain that
 //           bounds their bits
 // returns   miss, through, touch (l_in = l_out), coincident (a stretch of the ray lies in a plane and in
-//           the solid), undecided (rounding hides the answer and the numbers leave the range of exact sums)
+//           the solid)
 // error     `exact_passage`: none; its equations are good to the last bit. `plain_passage`: that of doubles
 // cost      at most one test a plane; ends as soon as l_in > l_out or l_out <= 0. No allocation but in
 //           expansions of more than 32 parts
@@ -86,7 +86,7 @@ struct Ball {
 
 // ------------------------------------------------------------------------------------------------ decisions
 
-enum class Verdict : std::uint8_t { miss, through, touch, coincident, undecided };
+enum class Verdict : std::uint8_t { miss, through, touch, coincident };
 
 struct Passage {
   Verdict verdict = Verdict::miss;
@@ -143,9 +143,8 @@ class ExactClipping {
     const Interval top = face.template top<Interval>(ray_);
     const Interval bottom = face.template bottom<Interval>(ray_);
     const int direction =
-        sign(bottom, grain_.bottom(ray_), [&] { return face.template bottom<Expansion>(ray_); });
-    const int side = sign(top, grain_.top(ray_), [&] { return face.template top<Expansion>(ray_); });
-    if (!is_open_) return;
+        sign(bottom, grain_.bottom(ray_), [&](auto number) { return bottom_of(i, number); });
+    const int side = sign(top, grain_.top(ray_), [&](auto number) { return top_of(i, number); });
     if (direction == 0) {
       runs_along_ = runs_along_ || side == 0;
       is_open_ = side >= 0;
@@ -154,14 +153,12 @@ class ExactClipping {
     const Crossing crossing{i, top, bottom, top / bottom, direction, side * direction};
     std::optional<Crossing>& end = direction < 0 ? in_ : out_;
     if (!end || compare(crossing, *end) * direction < 0) end = crossing;
-    if (!is_open_) return;
     order_ = in_ && out_ ? compare(*in_, *out_) : -1;
     const bool is_behind = out_ && out_->sign <= 0;
     if (order_ > 0 || is_behind) is_open_ = false;
   }
 
   [[nodiscard]] Verdict verdict() const {
-    if (is_undecided_) return Verdict::undecided;
     if (!is_open_) return Verdict::miss;
     if (order_ == 0) return Verdict::touch;
     return runs_along_ ? Verdict::coincident : Verdict::through;
@@ -172,20 +169,28 @@ class ExactClipping {
     if (a.l.hi < b.l.lo) return -1;
     if (a.l.lo > b.l.hi) return 1;
     const Bits bits = grain_.top(ray_) * grain_.bottom(ray_);
-    const int cross = sign(a.top * b.bottom - b.top * a.bottom, bits, [&] {
-      return faces_[a.face].template top<Expansion>(ray_) * faces_[b.face].template bottom<Expansion>(ray_) -
-             faces_[b.face].template top<Expansion>(ray_) * faces_[a.face].template bottom<Expansion>(ray_);
+    const int cross = sign(a.top * b.bottom - b.top * a.bottom, bits, [&](auto number) {
+      return top_of(a.face, number) * bottom_of(b.face, number) -
+             top_of(b.face, number) * bottom_of(a.face, number);
     });
     return cross * a.direction * b.direction;
   }
 
-  /// The sign of what `quick` encloses; 0, and undecided, when its bits are beyond exact sums.
-  template <class Exact>
-  int sign(const Interval& quick, const Bits& bits, const Exact& exact) {
-    if (const std::optional<int> told = sign_of(quick, bits.is_exact(), exact)) return *told;
-    is_undecided_ = true;
-    is_open_ = false;
-    return 0;
+  /// In the number's type.
+  template <class T>
+  [[nodiscard]] T top_of(std::uint32_t face, const T& /*number*/) const {
+    return faces_[face].template top<T>(ray_);
+  }
+  template <class T>
+  [[nodiscard]] T bottom_of(std::uint32_t face, const T& /*number*/) const {
+    return faces_[face].template bottom<T>(ray_);
+  }
+
+  /// The sign of what `quick` encloses: by expansions where it does not tell, by integers beyond their range.
+  template <class Formula>
+  int sign(const Interval& quick, const Bits& bits, const Formula& formula) {
+    const auto told = sign_of(quick, bits.is_exact(), [&] { return formula(Expansion{}); });
+    return told ? *told : formula(Dyadic()).sign();
   }
 
   std::span<const Face> faces_;
@@ -194,7 +199,6 @@ class ExactClipping {
   std::optional<Crossing> in_, out_;
   int order_ = -1;  ///< of l_in and l_out
   bool is_open_ = true;
-  bool is_undecided_ = false;
   bool runs_along_ = false;
 };
 
@@ -238,8 +242,6 @@ void pose_hits(const Passage& passage, EquationBlock& block, const PoseFace& pos
   switch (passage.verdict) {
     case Verdict::miss:
       return;
-    case Verdict::undecided:
-      return block.settle(Status::uncertain);
     case Verdict::coincident:
       return block.settle(Status::coincident);
     case Verdict::touch:
@@ -284,26 +286,40 @@ struct Place {
     }
   }
 };
-/// Encloses delta = l - centre where the line crosses a face: by 1 ulp of delta and 2^-90 of l, or by what
-/// intervals tell where its numbers are beyond exact sums.
+/// x / y, scaled so that neither leaves the range of double-doubles.
+inline DoubleDouble quotient(const Dyadic& x, const Dyadic& y) {
+  if (x.is_zero()) return 0;
+  const long up = x.top_exponent(), down = y.top_exponent();
+  const DoubleDouble q =
+      scale_by_power(x, -up).to_double_double() / scale_by_power(y, -down).to_double_double();
+  const auto shift = static_cast<int>(std::clamp(up - down, -4000L, 4000L));
+  return {scale_by_power(q.hi, shift), scale_by_power(q.lo, shift)};
+}
+
+/// Where the line crosses a face, as l: within 2^-90 of it, but for numbers that underflow.
 template <class Face>
-Place place_of(const Face& face, const Grain& grain, const Lifted& line) {
+DoubleDouble crossing_of(const Face& face, const Grain& grain, const Lifted& line) {
   const LocalRay& ray = line.ray;
-  const Bits bits = grain.top(ray) | grain.bottom(ray);
-  if (!bits.is_exact()) {
-    const Interval l = face.template top<Interval>(ray) / face.template bottom<Interval>(ray);
-    const Interval delta =
-        Interval{scale_by_power(l.lo, line.exponent), scale_by_power(l.hi, line.exponent)} -
-        point(ray.centre);
-    return {mid(delta), delta};
-  }
   const auto top = [&](auto number) { return face.template top<decltype(number)>(ray); };
   const auto bottom = [&](auto number) { return face.template bottom<decltype(number)>(ray); };
-  const DoubleDouble l =
-      scaled(sharp(top, grain.top(ray)) / sharp(bottom, grain.bottom(ray)), power_of_two(line.exponent));
-  const DoubleDouble delta = l - ray.centre;
-  const double error = 0x1p-90 * std::fabs(l.hi);
-  return {delta.hi, ball(delta.hi, 0x1p-53 * std::fabs(delta.hi) + error), DoubleDoubleBall(delta, error)};
+  const bool is_exact = (grain.top(ray) | grain.bottom(ray)).is_exact();
+  const DoubleDouble l = is_exact ? sharp(top, grain.top(ray)) / sharp(bottom, grain.bottom(ray))
+                                  : quotient(top(Dyadic()), bottom(Dyadic()));
+  return {scale_by_power(l.hi, line.exponent), scale_by_power(l.lo, line.exponent)};
+}
+
+/// Encloses delta = l - centre there, by 1 ulp of delta and 2^-90 of l.
+template <class Face>
+Place place_of(const Face& face, const Grain& grain, const Lifted& line) {
+  const DoubleDouble l = crossing_of(face, grain, line);
+  const DoubleDouble delta = l - line.ray.centre;
+  const double size = std::fabs(l.hi), error = 0x1p-90 * size;
+  constexpr double kSmall = 0x1p-900;  // below, low parts underflow
+  const bool is_small = size > 0 && size < kSmall;
+  const double underflow = is_small ? 4 * std::numeric_limits<double>::denorm_min() : 0;
+  Place place{delta.hi, ball(delta.hi, 0x1p-53 * std::fabs(delta.hi) + error + underflow)};
+  if (!is_small) place.near = DoubleDoubleBall(delta, error);
+  return place;
 }
 
 /// Exact decisions, and the linear equation delta - place = 0 for each hit: divided through by n.d beyond

@@ -180,6 +180,13 @@ TEST(Certified, RandomQuadraticsWithErrorsAreNeverWrong) {
   EXPECT_GT(proved, 1250);
 }
 
+TEST(Certified, AMultipleRootInAnIntervalOfOnePointKeepsItsMultiplicity) {
+  const std::vector<double> c{0, 0, 0, 0, 0, 1};
+  const Roots roots = solve(equation_of(c, 0, 0));
+  ASSERT_EQ(roots.list.size(), 1U);
+  EXPECT_EQ(roots.list[0].multiplicity, 5U);
+}
+
 TEST(Certified, AnInstructionSetThatIsNoneIsRefused) {
   Parameters options;
   options.set("instruction_set", std::string("mmx"));
