@@ -5,7 +5,8 @@
 // needs         a ray in the figure's local frame (local_ray.hpp)
 // shapes        n, b of any length, as ExactNumber; coefficients ascending in delta = l - centre
 // returns       an equation for a ray that meets the figure; nothing for one that does not;
-//               Status::uncertain where a sign is beyond both intervals and the range of expansions;
+//               Status::uncertain where a sign is beyond intervals and the figure's numbers are not exact in
+//               its units;
 //               Status::failed where the ray's numbers leave double in the figure's units
 // error         decisions: none. Coefficients: 1 ulp each; l within 4 ulps with closed_form (measured:
 //               3.97)

@@ -310,7 +310,9 @@ class Rays(ProgramTest):
                 if not forms & set(solver["forms"]):
                     continue
                 got = answers(self.done("solve", *TEARDROP, "--solver", solver["name"], "--formulation", name, text=ALONG_X))
-                self.assertEqual(got[0]["status"], "ok", (solver["name"], name))
+                # faithful proves digits from exact coefficients; other equations leave them open.
+                statuses = {"ok", "uncertain"} if solver["name"] == "faithful" else {"ok"}
+                self.assertIn(got[0]["status"], statuses, (solver["name"], name))
                 self.assertEqual(len(got[0]["hits"]), 2, (solver["name"], name))
                 for l, expected in zip(lengths(got[0]), L_ALONG_X):
                     self.assertAlmostEqual(l, expected, delta=1e-11)
