@@ -139,17 +139,13 @@ bool is_faithful(double l, const Interval& rest) {
          rest.hi <= kShare * (std::nextafter(l, kInfinity) - l);
 }
 
-}  // namespace
-
-bool place_root(const PolynomialEquation& equation, Root& root) {
-  if (equation.basis != Basis::power || root.multiplicity != 1) return false;
-  const auto step = step_to_root(equation, root);
-  if (!step) return false;
-  const double tail = mid(*step);
+/// Gives the root its tail where one step proves its place.
+bool place_by(const Interval& step, const PolynomialEquation& equation, Root& root) {
+  const double tail = mid(step);
   // As the scene adds them.
   const DoubleDouble l = two_sum(equation.exact.origin, root.x);
   const double rounded = l.hi + (l.lo + tail);
-  const Interval rest = ((point(l.hi) - point(rounded)) + point(l.lo)) + *step;
+  const Interval rest = ((point(l.hi) - point(rounded)) + point(l.lo)) + step;
   if (!is_faithful(rounded, rest)) return false;
   root.side = rest.lo > 0 ? 1 : rest.hi < 0 ? -1 : 0;
   // A root alone in its equation may share l with another equation's: which neighbour it may move to must be
@@ -163,6 +159,26 @@ bool place_root(const PolynomialEquation& equation, Root& root) {
   root.tail = tail;
   root.placed = true;
   return true;
+}
+
+}  // namespace
+
+bool place_root(const PolynomialEquation& equation, Root& root) {
+  if (equation.basis != Basis::power || root.multiplicity != 1) return false;
+  constexpr int kSteps = 3;  // each squares the relative error; shallow roots begin with few digits
+  Root moved = root;
+  for (int i = 0; i < kSteps; ++i) {
+    const auto step = step_to_root(equation, moved);
+    if (!step) return false;
+    if (place_by(*step, equation, moved)) {
+      root = moved;
+      return true;
+    }
+    const Interval enclosure = point(moved.x) + *step;
+    moved.x = std::clamp(mid(enclosure), equation.lo, equation.hi);
+    moved.radius = std::max(sub_up(enclosure.hi, moved.x), sub_up(moved.x, enclosure.lo));
+  }
+  return false;
 }
 
 std::optional<ExactPolynomial> exact_polynomial(const PolynomialEquation& equation) {
