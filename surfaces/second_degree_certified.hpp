@@ -24,6 +24,9 @@ class SecondDegreeCertified {
  public:
   void intersect(std::span<const Ray> rays, bool all, KernelAnswers& answers, std::size_t first) const;
 
+  [[nodiscard]] const SecondDegreeSurface& surface() const { return surface_; }
+  [[nodiscard]] InstructionSet instruction_set() const { return set_; }
+
  protected:
   /// A sphere in units of 2^unit.
   SecondDegreeCertified(Vec3 centre, double radius, int unit, const Parameters& options);

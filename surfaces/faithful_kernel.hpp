@@ -1,0 +1,132 @@
+// What kernels for `faithful` share: the answers of a surface's kernel for `certified`, every l corrected.
+//
+// solves    what the kernel for `certified` solves, in its formulation
+// needs     Step: a plain struct
+//             Step(const Surface&, const Certified&, const Parameters& options);
+//             void correct(const FaithfulBatch&) const;    // lanes, for instance faithful_lanes.hpp
+//             bool decide(const Ray&, bool all, KernelAnswers&, std::size_t at) const;
+//                                                          // the exact tier of one ray; false: there is none
+// returns   by ray: the proved number of hits and their l; open (-1) where nothing is proved
+// error     of l: one ulp; which zero of the equation an l stands for is proved too (surfaces/teardrop.md)
+// cost      at most twice that of `certified` on camera rays (the surfaces' pages); what is not proved at
+//           once is asked for again with all its hits, and allocates
+// source    graze
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include <graze/surfaces/faithful_batch.hpp>
+#include <graze/surfaces/kernel.hpp>
+
+namespace graze {
+
+template <class Certified, class Step>
+class FaithfulKernel {
+ public:
+  using Surface = typename Certified::Surface;
+  static constexpr std::string_view kSolver = "faithful";
+  static constexpr std::string_view kFormulation = Certified::kFormulation;
+
+  FaithfulKernel(const Surface& surface, const Parameters& options)
+      : certified_(surface, options), step_(surface, certified_, options) {}
+
+  void intersect(std::span<const Ray> rays, bool all, KernelAnswers& answers, std::size_t first) const {
+    for (std::size_t begin = 0; begin < rays.size(); begin += kBlock) {
+      const std::span<const Ray> block = rays.subspan(begin, std::min(kBlock, rays.size() - begin));
+      certified_.intersect(block, all, answers, first + begin);
+      correct_block(block, all, answers, first + begin);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kBlock = 1024;  ///< rays that stay in the second cache level between the two
+  static constexpr std::size_t kAgain = 64;    ///< rays that are looked at again together
+  static constexpr std::uint8_t kExact = 3;    ///< the tier whose hits are the nearest doubles
+  using Marks = std::array<std::uint8_t, kBlock>;
+
+  /// One step for every hit; open[i] becomes 1 where ray i has one that is not proved.
+  void correct_hits(std::span<const Ray> rays, bool all, KernelAnswers& answers, std::size_t first,
+                    Marks& open) const {
+    std::array<std::uint32_t, kBlock> which;
+    for (std::size_t rank = 0; rank < (all ? KernelAnswers::kMost : 1); ++rank) {
+      std::size_t count = 0;
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        which[count] = static_cast<std::uint32_t>(i);
+        const bool has_it = answers.hits[first + i] > static_cast<int>(rank);
+        count += has_it && answers.tier[first + i] != kExact ? 1 : 0;
+      }
+      if (count == 0) break;
+      step_.correct({rays.data(), which.data(), count, &answers.l[rank][first], open.data(), !all});
+    }
+    if (all) mark_close_hits(rays.size(), answers, first, open);
+  }
+
+  /// Hits that are proved to an ulp and are further apart than four are different ones: as many as there are.
+  static void mark_close_hits(std::size_t size, const KernelAnswers& answers, std::size_t first,
+                              Marks& open) {
+    constexpr double kApart = 0x1p-50;
+    for (std::size_t i = 0; i < size; ++i) {
+      for (int rank = 1; rank < answers.hits[first + i]; ++rank) {
+        const auto k = static_cast<std::size_t>(rank);
+        const double from = answers.l[k - 1][first + i], to = answers.l[k][first + i];
+        if (!(to - from > kApart * to)) open[i] = 1;
+      }
+    }
+  }
+
+  void correct_block(std::span<const Ray> rays, bool all, KernelAnswers& answers, std::size_t first) const {
+    Marks open;
+    std::fill_n(open.begin(), rays.size(), std::uint8_t{0});
+    correct_hits(rays, all, answers, first, open);
+    std::array<std::size_t, kAgain> again;
+    std::size_t count = 0;
+    for (auto at = open.begin(), end = open.begin() + static_cast<std::ptrdiff_t>(rays.size());; ++at) {
+      at = std::find(at, end, std::uint8_t{1});
+      if (at != end) again[count++] = static_cast<std::size_t>(at - open.begin());
+      if (count == kAgain || (at == end && count > 0)) {
+        look_again(rays, std::span(again).first(count), all, answers, first);
+        count = 0;
+      }
+      if (at == end) return;
+    }
+  }
+
+  /// All hits of the rays that are left, with more steps. Which hit is which is told by their order.
+  void look_again(std::span<const Ray> rays, std::span<const std::size_t> which, bool all,
+                  KernelAnswers& answers, std::size_t first) const {
+    constexpr int kSteps = 3;
+    std::array<Ray, kAgain> left;
+    for (std::size_t k = 0; k < which.size(); ++k) left[k] = rays[which[k]];
+    const std::span<const Ray> asked = std::span(left).first(which.size());
+    KernelAnswers found;
+    found.resize(which.size());
+    certified_.intersect(asked, true, found, 0);
+    Marks open;
+    for (int step = 0; step < kSteps; ++step) {
+      std::fill_n(open.begin(), which.size(), std::uint8_t{0});
+      correct_hits(asked, true, found, 0, open);
+    }
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      const std::size_t at = first + which[k];
+      if (found.hits[k] != KernelAnswers::kOpen && open[k] == 0) {
+        take(found, k, all, answers, at);
+      } else if (!step_.decide(left[k], all, answers, at)) {
+        answers.hits[at] = KernelAnswers::kOpen;
+      }
+    }
+  }
+
+  static void take(const KernelAnswers& from, std::size_t k, bool all, KernelAnswers& to, std::size_t at) {
+    to.hits[at] = all ? from.hits[k] : std::min<std::int8_t>(1, from.hits[k]);
+    for (std::size_t rank = 0; rank < KernelAnswers::kMost; ++rank) to.l[rank][at] = from.l[rank][k];
+    to.touching[at] = all ? from.touching[k] : from.touching[k] & std::uint8_t{1};
+    to.tier[at] = std::max(from.tier[k], std::uint8_t{2});
+  }
+
+  Certified certified_;
+  Step step_;
+};
+
+}  // namespace graze
