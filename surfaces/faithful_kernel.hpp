@@ -49,31 +49,37 @@ class FaithfulKernel {
   /// One step for every hit; open[i] becomes 1 where ray i has one that is not proved.
   void correct_hits(std::span<const Ray> rays, bool all, KernelAnswers& answers, std::size_t first,
                     Marks& open) const {
+    const std::int8_t* const hits = &answers.hits[first];
     std::array<std::uint32_t, kBlock> which;
-    for (std::size_t rank = 0; rank < (all ? KernelAnswers::kMost : 1); ++rank) {
-      std::size_t count = 0;
-      for (std::size_t i = 0; i < rays.size(); ++i) {
-        which[count] = static_cast<std::uint32_t>(i);
-        const bool has_it = answers.hits[first + i] > static_cast<int>(rank);
-        count += has_it && answers.tier[first + i] != kExact ? 1 : 0;
-      }
-      if (count == 0) break;
-      step_.correct({rays.data(), which.data(), count, &answers.l[rank][first], open.data(), !all});
+    std::size_t count = 0, exact = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const bool is_exact = answers.tier[first + i] == kExact;
+      which[count] = static_cast<std::uint32_t>(i);
+      count += hits[i] > 0 && !is_exact ? 1 : 0;
+      exact += is_exact ? 1 : 0;
     }
-    if (all) mark_close_hits(rays.size(), answers, first, open);
+    for (std::size_t rank = 0; count > 0; ++rank) {
+      step_.correct({rays.data(), which.data(), count, &answers.l[rank][first], open.data(), !all});
+      if (!all) break;
+      std::size_t kept = 0;
+      for (std::size_t k = 0; k < count; ++k) {
+        const std::uint32_t i = which[k];
+        if (rank > 0 && are_close(answers, rank, first + i)) open[i] = 1;
+        which[kept] = i;
+        kept += hits[i] > static_cast<int>(rank + 1) ? 1 : 0;
+      }
+      count = kept;
+    }
+    for (std::size_t i = 0; all && exact > 0 && i < rays.size(); ++i) {
+      if (answers.tier[first + i] == kExact && hits[i] == 2 && are_close(answers, 1, first + i)) open[i] = 1;
+    }
   }
 
   /// Hits that are proved to an ulp and are further apart than four are different ones: as many as there are.
-  static void mark_close_hits(std::size_t size, const KernelAnswers& answers, std::size_t first,
-                              Marks& open) {
+  static bool are_close(const KernelAnswers& answers, std::size_t rank, std::size_t at) {
     constexpr double kApart = 0x1p-50;
-    for (std::size_t i = 0; i < size; ++i) {
-      for (int rank = 1; rank < answers.hits[first + i]; ++rank) {
-        const auto k = static_cast<std::size_t>(rank);
-        const double from = answers.l[k - 1][first + i], to = answers.l[k][first + i];
-        if (!(to - from > kApart * to)) open[i] = 1;
-      }
-    }
+    const double from = answers.l[rank - 1][at], to = answers.l[rank][at];
+    return !(to - from > kApart * to);
   }
 
   void correct_block(std::span<const Ray> rays, bool all, KernelAnswers& answers, std::size_t first) const {

@@ -77,9 +77,11 @@ template <class Frame>
     for (std::size_t k = 0; size < kLanes && k < kLanes; ++k)
       last[k] = batch.which[i + (k < size ? k : size - 1)];
     const std::uint32_t* const which = size < kLanes ? last : batch.which + i;
-    Lanes x[6], given;
+    Lanes x[6];
     load_records_at([&](std::size_t k) { return rays + std::size_t{6} * which[k]; }, x);
-    for (std::size_t k = 0; k < kLanes; ++k) given[k] = batch.l[which[k]];
+    double gathered[kLanes];
+    for (std::size_t k = 0; k < kLanes; ++k) gathered[k] = batch.l[which[k]];
+    const Lanes given = load(gathered);
 
     const Lanes shrink = reciprocal_power(max(abs(x[3]), max(abs(x[4]), abs(x[5]))));
     const Lanes back = shrink * frame.unit;
@@ -90,8 +92,8 @@ template <class Frame>
     const Lanes better = corrected.l * back;
     const Mask fits = (back > 1 / kLargest) & (back < kLargest) & (corrected.l >= kNormal) &
                       (better >= kNormal) & (better < kInfinity);
-    const Lanes result = select(corrected.closer & fits, better, given);
-    for (std::size_t k = 0; k < size; ++k) batch.l[which[k]] = result[k];
+    store(gathered, select(corrected.closer & fits, better, given));
+    for (std::size_t k = 0; k < size; ++k) batch.l[which[k]] = gathered[k];
     unsigned open = to_bits(~(corrected.proved & fits)) & ((1U << size) - 1);
     for (; open != 0; open &= open - 1) batch.open[which[__builtin_ctz(open)]] = 1;
   }
