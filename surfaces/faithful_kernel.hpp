@@ -4,8 +4,10 @@
 // needs     Step: a plain struct
 //             Step(const Surface&, const Certified&, const Parameters& options);
 //             void correct(const FaithfulBatch&) const;    // lanes, for instance faithful_lanes.hpp
-//             bool decide(const Ray&, bool all, KernelAnswers&, std::size_t at) const;
-//                                                          // the exact tier of one ray; false: there is none
+//             bool decide(const Ray&, bool all, std::span<const double> near, KernelAnswers&,
+//                         std::size_t at) const;
+//                  // the exact tier of one ray; near: its hits, all crossings and nearly right, or none
+//                  // where they are not known. false: there is no such tier
 // returns   by ray: the proved number of hits and their l; open (-1) where nothing is proved
 // error     of l: one ulp; which zero of the equation an l stands for is proved too (surfaces/teardrop.md)
 // cost      at most twice that of `certified` on camera rays (the surfaces' pages); what is not proved at
@@ -118,9 +120,14 @@ class FaithfulKernel {
       const std::size_t at = first + which[k];
       if (found.hits[k] != KernelAnswers::kOpen && open[k] == 0) {
         take(found, k, all, answers, at);
-      } else if (!step_.decide(left[k], all, answers, at)) {
-        answers.hits[at] = KernelAnswers::kOpen;
+        continue;
       }
+      std::array<double, KernelAnswers::kMost> near;
+      const std::size_t hits =
+          found.hits[k] > 0 && found.touching[k] == 0 ? static_cast<std::size_t>(found.hits[k]) : 0;
+      for (std::size_t rank = 0; rank < hits; ++rank) near[rank] = found.l[rank][k];
+      if (!step_.decide(left[k], all, std::span(near).first(hits), answers, at))
+        answers.hits[at] = KernelAnswers::kOpen;
     }
   }
 

@@ -21,7 +21,8 @@ class SecondDegreeFaithfulStep {
                            const Parameters& /*options*/)
       : surface_(certified.surface()), set_(certified.instruction_set()) {}
   void correct(const FaithfulBatch& batch) const;
-  static bool decide(const Ray& /*ray*/, bool /*all*/, KernelAnswers& /*answers*/, std::size_t /*at*/) {
+  static bool decide(const Ray& /*ray*/, bool /*all*/, std::span<const double> /*near*/,
+                     KernelAnswers& /*answers*/, std::size_t /*at*/) {
     return false;
   }
 

@@ -73,4 +73,16 @@ std::vector<ExactHit> exact_teardrop_hits(const Ray& ray, double s) {
   return hits;
 }
 
+int side_of_teardrop(const Ray& ray, double s, double l) {
+  const Dyadic at(l), height = Dyadic(s) * Dyadic(6.0);
+  const auto coordinate = [&](double o, double d) { return Dyadic(o) + at * Dyadic(d); };
+  const Dyadic y = coordinate(ray.o.y, ray.d.y), to_top = height - y;
+  if (y.sign() < 0 || to_top.sign() < 0) return -1;
+  const Dyadic w = sqr(coordinate(ray.o.x, ray.d.x)) + sqr(coordinate(ray.o.z, ray.d.z));
+  const Dyadic far2 = sqr(height + to_top);
+  const Dyadic side = Dyadic(4.0) * height * w - y * (far2 + height * y);
+  const int sextic = (sqr(side) - Dyadic(4.0) * height * sqr(y) * y * far2).sign();
+  return side.sign() > 0 ? -1 : sextic;
+}
+
 }  // namespace graze

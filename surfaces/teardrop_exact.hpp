@@ -26,4 +26,8 @@ struct ExactHit {
 
 std::vector<ExactHit> exact_teardrop_hits(const Ray& ray, double s);
 
+/// 1 where the point at l, finite, is inside the solid, 0 on its surface, -1 outside: by the exact signs of B
+/// and the sextic. About 20 operations on integers of up to 2000 bits.
+int side_of_teardrop(const Ray& ray, double s, double l);
+
 }  // namespace graze

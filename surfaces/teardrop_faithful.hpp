@@ -19,9 +19,14 @@ class TeardropFaithfulStep {
   TeardropFaithfulStep(const Teardrop& surface, const TeardropCertified& certified,
                        const Parameters& options);
   void correct(const FaithfulBatch& batch) const;
-  bool decide(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const;
+  bool decide(const Ray& ray, bool all, std::span<const double> near, KernelAnswers& answers,
+              std::size_t at) const;
 
  private:
+  [[nodiscard]] double crossing_near(const Ray& ray, double l, bool enters) const;
+  bool place(const Ray& ray, bool all, std::span<const double> near, HitsOfRay& hits) const;
+  bool isolate(const Ray& ray, bool all, HitsOfRay& hits) const;
+
   double size_;  ///< s
   TeardropFrame frame_;
   InstructionSet set_;

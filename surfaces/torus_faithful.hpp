@@ -19,7 +19,8 @@ class TorusFaithfulStep {
  public:
   TorusFaithfulStep(const Torus& surface, const TorusCertified& certified, const Parameters& options);
   void correct(const FaithfulBatch& batch) const;
-  static bool decide(const Ray& /*ray*/, bool /*all*/, KernelAnswers& /*answers*/, std::size_t /*at*/) {
+  static bool decide(const Ray& /*ray*/, bool /*all*/, std::span<const double> /*near*/,
+                     KernelAnswers& /*answers*/, std::size_t /*at*/) {
     return false;
   }
 

@@ -14,8 +14,8 @@ constexpr double kFarthest2 = 4.1;  // |x| <= R + r < 2 on the surface
 
 /// f = K^2 + 4 R^2 (y^2 - r^2), K = |x|^2 - (R^2 + r^2), to twice the digits where it is nearly zero.
 struct Equation {
+  Wide sum, tube2;  ///< R^2 + r^2, r^2
   double unit, inverse_unit;
-  Wide sum, tube2;             ///< R^2 + r^2, r^2
   double weight, weight_tail;  ///< 4 R^2
 
   explicit Equation(const TorusFrame& frame)
