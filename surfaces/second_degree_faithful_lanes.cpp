@@ -112,7 +112,7 @@ struct Equation {
     return {f,
             error,
             slope,
-            fma(steep, all(32 * kU), all(kTiny)),
+            fma(steep, all(48 * kU), all(kTiny)),
             all(12 * s.norm),
             all(__builtin_inf()),
             0x1p-48 * abs(l),

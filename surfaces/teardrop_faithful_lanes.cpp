@@ -65,7 +65,7 @@ struct Equation {
     const Lanes w = xx.hi + zz.hi;
     const Lanes ex = kU2 * (abs(x.hi) + abs(px)), ez = kU2 * (abs(z.hi) + abs(pz));
     const Lanes beside = fma(fma(abs(x.hi), all(2.125), ex), ex, fma(abs(z.hi), all(2.125), ez) * ez);
-    const Lanes size = fma(abs(v), all(0x1p14 * m * m), fma(w, all(0x1p8), 6.25 * m * abs(py)));
+    const Lanes size = fma(abs(v), all(0x1p15 * m * m), fma(w, all(0x1p8), 6.25 * m * abs(py)));
     const Lanes error = fma(size, all(kU2), beside) + (8 * kU * m * max(-y.hi, Lanes{}) + kTiny);
     const Lanes slope = fma(by_height, line.d[1], -2 * fma(x.hi, line.d[0], z.hi * line.d[2]));
     const Lanes room = 0.25 * (min(y.hi, height - y.hi) - 8 * kU * height);

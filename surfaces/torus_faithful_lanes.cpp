@@ -63,7 +63,8 @@ struct Equation {
     const Lanes along_size =
         fma(abs(x.hi), abs(line.d[0]), fma(abs(y.hi), abs(line.d[1]), abs(z.hi * line.d[2])));
     const Lanes swing = 4 * k.hi, tilt = 2 * weight * y.hi * line.d[1];
-    const Lanes slope_error = 16 * kU * fma(abs(swing), along_size, abs(tilt)) + kTiny;
+    const Lanes slope_error =
+        fma(8 * along_size, k_error, 16 * kU * fma(abs(swing), along_size, abs(tilt))) + kTiny;
     return {value,
             error,
             fma(swing, along, tilt),

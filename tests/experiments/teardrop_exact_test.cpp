@@ -57,6 +57,25 @@ TEST(TeardropExact, MirroredSheetsAreNoHits) {
   expect({{-5, -1, 0}, {1, 0, 0}}, {});
 }
 
+TEST(TeardropExact, SidesOfPointsTurnAtTheHitsAndAtThePolesPlanes) {
+  const auto side = [](const Ray& ray, double l) { return side_of_teardrop(ray, 1, l); };
+  const Ray across{{-5, 1.5, 0}, {1, 0, 0}};
+  EXPECT_EQ(side(across, 0), -1);
+  EXPECT_EQ(side(across, std::nextafter(3.125, 0)), -1);
+  EXPECT_EQ(side(across, 3.125), 0);
+  EXPECT_EQ(side(across, std::nextafter(3.125, 4)), 1);
+  EXPECT_EQ(side(across, std::nextafter(6.875, 0)), 1);
+  EXPECT_EQ(side(across, std::nextafter(6.875, 7)), -1);
+  // On the axis below, inside and above: beyond the poles the mirrored sheets are no inside.
+  const Ray along{{0, -1, 0}, {0, 1, 0}};
+  EXPECT_EQ(side(along, 0.5), -1);
+  EXPECT_EQ(side(along, 1), 0);
+  EXPECT_EQ(side(along, std::nextafter(1, 2)), 1);
+  EXPECT_EQ(side(along, std::nextafter(7, 0)), 1);
+  EXPECT_EQ(side(along, 7), 0);
+  EXPECT_EQ(side(along, 8), -1);
+}
+
 // The truth engine has its own integers, its own polynomials and its own isolation.
 TEST(TeardropExact, AgreesWithTheTruthOnEveryFamily) {
   const SurfaceSpec spec = teardrop(1.7);
