@@ -94,21 +94,15 @@ struct Equation {
     Lanes square;
     const Lanes f = value(y, n, square);
 
-    // Sizes and counts: surfaces/quadric.md.
-    Lanes moved{}, by_slope{}, sizes{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Lanes e = abs(y[i].x.hi) + abs(y[i].moved);
-      moved += e;
-      by_slope = fma(abs(n[i]), e, by_slope);
-      sizes += abs(y[i].x.hi);
-    }
-    const Lanes size = fma(square, all(s.linear * s.norm), all(s.constant));
-    const Lanes far = 4.25 * kU2 * moved;
-    const Lanes error =
-        fma(size, all(512 * kU2), fma(by_slope, all(9 * kU2), s.norm * far * far)) + kTiny * (1 + s.norm);
-    const Lanes slope = 2 * fma(n[0], line.d[0], fma(n[1], line.d[1], n[2] * line.d[2]));
-    // Each is at least the sum of |M| |y| + |g| over its coordinates; that is no less than |n|.
+    // Sizes and counts: surfaces/quadric.md. steep is at least the sum of |M| |y| + |g| over its coordinates,
+    // which is no less than |n|; |l d_i| < 2 |l|.
+    const Lanes sizes = abs(y[0].x.hi) + (abs(y[1].x.hi) + abs(y[2].x.hi)), way = abs(l);
     const Lanes steep = fma(sizes, all(s.norm), all(1.75 * s.gradient));
+    const Lanes size = fma(square, all(s.linear * s.norm), all(s.constant));
+    const Lanes moved = fma(way, all(2.0), sizes), far = 4.25 * kU2 * fma(way, all(6.0), sizes);
+    const Lanes error =
+        fma(size, all(512 * kU2), fma(9 * kU2 * steep, moved, s.norm * far * far)) + kTiny * (1 + s.norm);
+    const Lanes slope = 2 * fma(n[0], line.d[0], fma(n[1], line.d[1], n[2] * line.d[2]));
     return {f,
             error,
             slope,
