@@ -7,6 +7,7 @@
 
 #include <graze/experiments/cases.hpp>
 #include <graze/experiments/truth.hpp>
+#include <graze/solvers/math/scaling.hpp>
 #include <graze/surfaces/teardrop_exact.hpp>
 #include <surfaces/cells.hpp>
 
@@ -74,6 +75,31 @@ TEST(TeardropExact, SidesOfPointsTurnAtTheHitsAndAtThePolesPlanes) {
   EXPECT_EQ(side(along, std::nextafter(7, 0)), 1);
   EXPECT_EQ(side(along, 7), 0);
   EXPECT_EQ(side(along, 8), -1);
+}
+
+// A chord shorter than an ulp of l: both hits have one nearest double, from which one of them must move.
+TEST(TeardropExact, TwoHitsOfOneDoubleAreBothWithinAnUlp) {
+  if (solver_named("faithful") == nullptr) GTEST_SKIP() << "faithful is not in this build";
+  const SurfaceSpec spec = teardrop(1);
+  const auto truth = truth::make_surface(spec);
+  const Scene scene = scene_of(spec, find_solver("faithful"));
+  bool moves_up = false, moves_down = false;
+  for (const double beyond : {0.0, 4.0, 8.0, 12.0, 16.0, 20.0}) {
+    const Ray ray{{-0x1p54 - beyond, 0.015, 0}, {1.5, 0, 0}};
+    const truth::Answer expected = truth->all(ray, {.digits = 34});
+    const std::vector<Answer> answers = ask(scene, {&ray, 1});
+    ASSERT_EQ(expected.hits.size(), 2U);
+    ASSERT_EQ(answers.front().l.size(), 2U);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const truth::Real& l = expected.hits[k].l;
+      EXPECT_LE(std::fabs((answers.front().l[k] - l.head) - l.tail), ulp(l.head)) << beyond;
+    }
+    EXPECT_LT(answers.front().l[0], answers.front().l[1]);
+    if (expected.hits[0].l.head != expected.hits[1].l.head) continue;
+    moves_up |= answers.front().l[0] == expected.hits[0].l.head;
+    moves_down |= answers.front().l[1] == expected.hits[1].l.head;
+  }
+  EXPECT_TRUE(moves_up && moves_down);
 }
 
 // The truth engine has its own integers, its own polynomials and its own isolation.
