@@ -25,9 +25,14 @@ void append_answers(const KernelAnswers& answers, const KernelAnswers::Extremes&
     out.append_rays<1>(answers.hits, {l[0].data()}, first_tier);
   } else if (extremes.most == 2) {
     out.append_rays<2>(answers.hits, {l[0].data(), l[1].data()}, first_tier);
-  } else {
+  } else if (extremes.most <= static_cast<std::int8_t>(KernelAnswers::kMost)) {
     out.append_rays<KernelAnswers::kMost>(answers.hits, {l[0].data(), l[1].data(), l[2].data(), l[3].data()},
                                           first_tier);
+  } else {
+    for (std::size_t i = 0; i < rays; ++i) {
+      for (int k = 0; k < answers.hits[i]; ++k) out.append(l[static_cast<std::size_t>(k)][i], 0, 1);
+      out.close_ray(Status::ok, first_tier[i]);
+    }
   }
   if (extremes.tier > 1) {
     for (std::size_t i = 0; i < rays; ++i) out.counters[ray + i].tier = answers.tier[i];
