@@ -29,7 +29,9 @@ bool add_hits(const LineAnswer& line, int l_exponent, bool all, HitsOfRay& hits)
     const std::optional<bool> ahead = is_ahead(line, crossing, enters);
     if (!ahead) return false;
     if (!*ahead) continue;
-    if (!hits.add(scale_by_power(crossing.l > 0 ? crossing.l : crossing.hi, l_exponent), 1)) return false;
+    // The approximation, but ahead as well.
+    const double l = std::max(crossing.l, std::numeric_limits<double>::epsilon() * crossing.hi);
+    if (!hits.add(scale_by_power(l, l_exponent), 1)) return false;
     if (!all) break;
   }
   return true;

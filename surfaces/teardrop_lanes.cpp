@@ -67,12 +67,18 @@ template <class V>
   return {v, 9 * v * g * g, 9 * g * turn, -9 * w * fma(v, w, turn)};
 }
 
+/// x where it is a number, else none: infinity says a proved miss, which a division by zero is not.
+template <class V>
+[[gnu::always_inline]] inline V finite(V x) {
+  return fma(x, V{}, x);
+}
+
 /// Lines whose entry is looked for, as arrays: an exit is the entry of the reversed line.
 struct Queue {
   alignas(64) double o[3][kPadded], d[3][kPadded];
   alignas(64) double centre[kPadded];  ///< l near the closest approach
   alignas(64) double entry[kPadded];   ///< guess, l - centre; at last l, kInfinity for a miss, or kOpen
-  alignas(64) double width[kPadded];   ///< what the last step leaves open
+  alignas(64) double width[kPadded];   ///< of the bracket on each side; kInfinity: F bends too much in it
   alignas(64) double per_slope[kPadded];
   alignas(64) double back[kPadded];                ///< l of the caller = l here * back
   alignas(64) float p[3][kPadded], q[3][kPadded];  ///< in floats: the point at `centre`, and d
@@ -306,7 +312,7 @@ void file(const Frame& frame, const TeardropBatch& batch, Queue& queue, Queue* e
     // a < 0: entry before exit. The roots from the far side.
     const Quadratic<Floats> q = against(frame, line, first_majorant());
     const Floats root = sqrt(max(q.discriminant, Floats{}) + q.error) + kMargin * q.size;
-    store(&queue.start[i], (kReversed ? root + q.b : root - q.b) / q.a);
+    store(&queue.start[i], finite((kReversed ? root + q.b : root - q.b) / q.a));
     if (kReversed || exits == nullptr) continue;
     const Floats in_at = (root - q.b) / q.a, centre = narrow(pair.centre_a, pair.centre_b);
     unsigned near = to_bits(~(in_at - kMargin * abs(in_at) > -centre + kMargin * abs(centre)));
@@ -348,7 +354,7 @@ template <class V>
   const auto cancels = q.b > 0;
   // Of -b + root and -b - root the one without cancellation; the other root of the two by their product.
   const V sum = select(cancels, -(q.b + root), root - q.b);
-  const V next = select(cancels, q.c, sum) / select(cancels, sum, q.a);
+  const V next = finite(select(cancels, q.c, sum) / select(cancels, sum, q.a));
   return select((q.discriminant < -q.error) & (q.a < 0), all(static_cast<Scalar<V>>(kInfinity)), next);
 }
 
@@ -359,7 +365,7 @@ template <class V>
   using S = Scalar<V>;
   const Local<V> here = evaluate(frame, line, delta);
   const V under = max(fma(here.df, here.df, -2 * here.f * (here.ddf_t / here.t)), V{});
-  const V next = delta - 2 * here.f / (here.df + sqrt(under));
+  const V next = finite(delta - 2 * here.f / (here.df + sqrt(under)));
   return select(delta == static_cast<S>(kInfinity), delta, next);
 }
 
@@ -420,11 +426,13 @@ void polish(const Frame& frame, Queue& queue) {
     const Lanes per_both = 1 / (here.t * here.df);
     const Lanes ddf = here.ddf_t * (per_both * here.df), per_slope = per_both * here.t;
     const Lanes newton = here.f * per_slope;
-    const Lanes next = delta - newton * fma(0.5 * newton * ddf, per_slope, all(1.0));
+    const Lanes next = finite(delta - newton * fma(0.5 * newton * ddf, per_slope, all(1.0)));
     store(&queue.entry[i], select(delta == kInfinity, delta, next));
     store(&queue.per_slope[i], per_slope);
+    // Wide enough for the bound on F, and for what l itself is rounded by.
+    const Lanes centre = load(&queue.centre[i]);
+    const Lanes width = fma(32 * kU * here.size, per_slope, 4 * kU * (abs(centre + next) + abs(centre)));
     // Where F bends within the bracket its secant is no polish: those lines are left to the next tier.
-    const Lanes width = 32 * kU * here.size * per_slope;
     store(&queue.width[i], select(64 * abs(ddf) * width < here.df, width, all(kInfinity)));
   }
 }
@@ -435,8 +443,7 @@ void certify(const Frame& frame, Queue& queue) {
   for (std::size_t i = 0; i < queue.size; i += kLanes) {
     const Lanes centre = load(&queue.centre[i]), delta = load(&queue.entry[i]);
     const Lanes l = centre + delta;
-    // Wide enough for the bound on F, and for what l itself was rounded by.
-    const Lanes width = load(&queue.width[i]) + 4 * kU * (abs(l) + abs(centre));
+    const Lanes width = load(&queue.width[i]);
     const Lanes low = l - width, high = l + width;
     const Sign a = sign_at(frame, queue, i, low);
     const Sign b = sign_at(frame, queue, i, high);
