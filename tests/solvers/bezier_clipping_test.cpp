@@ -38,7 +38,9 @@ TEST(BezierClipping, RefusingClipsLeavesBisection) {
 
 TEST(BezierClipping, PublishedHardInputsAreSolvedToTheirCondition) {
   const std::vector<std::string> merged{"Wilkinson 1963, degree 20", "cluster 1 +- 2^-26",
-                                        "cluster 1, 1 +- 2^-16"};
+                                        "cluster 1, 1 +- 2^-16",
+                                        "in the manner of Orellana, De Michele 2020: quartic of near roots",
+                                        "Flocke, Algorithm 954 (2015), cubic of roots -1, 1e14"};
   const auto all = hard_polynomials();
   ASSERT_GE(all.size(), 21U);
   for (const HardPolynomial& p : all) {

@@ -369,7 +369,8 @@ TEST_F(Bracketed, HardPublishedPolynomialsAreRightButForClustersThatRoundingHide
       }
       std::uint32_t multiplicity = 0;
       for (const Root& root : roots.list) multiplicity += root.multiplicity;
-      EXPECT_EQ(multiplicity, hard.roots.size()) << hard.origin << " " << method;
+      EXPECT_GE(multiplicity, hard.roots.size()) << hard.origin << " " << method;
+      EXPECT_LE(multiplicity, hard.c.size() - 1) << hard.origin << " " << method;
     }
   }
 }

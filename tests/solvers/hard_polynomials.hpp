@@ -26,6 +26,7 @@ struct HardPolynomial {
     const double n = static_cast<double>(c.size()) - 1;
     double size = 0;
     for (std::size_t i = c.size(); i-- > 0;) size = size * std::fabs(x) + std::fabs(c[i]);
+    if (size == 0) return 0;  // a root at 0 stays where it is
     return n * 0x1p-53 * size / std::fabs(evaluate_with_derivative(c, x).derivative);
   }
 };

@@ -114,7 +114,8 @@ TEST(Monotone, PublishedHardInputsAreSolvedToTheirCondition) {
   // Roots nearer than the rounding of p lets anyone see: kept as one of multiplicity 2 (power_basis,
   // is_split).
   const std::vector<std::string> merged{"Wilkinson 1963, degree 20", "cluster 1 +- 2^-26",
-                                        "cluster 1, 1 +- 2^-16"};
+                                        "cluster 1, 1 +- 2^-16",
+                                        "Flocke, Algorithm 954 (2015), cubic of roots -1, 1e14"};
   const auto all = hard_polynomials();
   ASSERT_GE(all.size(), 21U);
   for (const HardPolynomial& p : all) {
