@@ -81,7 +81,7 @@ function(graze_surface stem)
   endif()
 endfunction()
 
-# graze_kernel(SURFACE SOLVER [AFTER solver] LANES sources [NEEDS sources]): the one list line of a surface's
+# graze_kernel(SURFACE SOLVER [AFTER solver] [LANES sources] [NEEDS sources]): the one list line of a surface's
 # batch kernel for a solver, in the build if both are, and with AFTER if the surface's kernel for that solver is
 # in it, which this one builds on: surfaces/SURFACE_SOLVER.{hpp,cpp} defines it, LANES is compiled once for each
 # instruction set (solvers/math/lanes.hpp), also where several kernels share it.
@@ -104,6 +104,9 @@ function(graze_kernel surface solver)
   set(sets baseline)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     list(APPEND sets avx2 avx512)
+  endif()
+  if(NOT ARG_LANES)
+    return()
   endif()
   list(GET ARG_LANES 0 first)
   get_filename_component(stem ${first} NAME_WE)

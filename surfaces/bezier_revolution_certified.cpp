@@ -412,19 +412,25 @@ void BezierRevolutionCertified::run_lanes(std::span<const Ray> rays, bool all,
   baseline::intersect_bezier(batch, to);
 }
 
-/// The middle tier; false: nothing is proved.
-bool BezierRevolutionCertified::find_in_double_doubles(const Ray& ray, bool all, HitsOfRay& hits) const {
+bool BezierRevolutionCertified::find_in_double_doubles(const Ray& ray, BezierDoubleDouble::Hits& found,
+                                                       int& l_exponent) const {
   if (!double_doubles_) return false;
   const LocalRay local = to_unit(ray, unit_);
   // What the change of units rounds is left to the last tier.
   if (scale_by_power(local.o, unit_) != ray.o) return false;
   if (scale_by_power(local.d, unit_ - local.l_exponent) != ray.d) return false;
+  l_exponent = local.l_exponent;
+  return double_doubles_->find(local.o, local.d, found);
+}
+
+bool BezierRevolutionCertified::add_double_doubles(const Ray& ray, bool all, HitsOfRay& hits) const {
   BezierDoubleDouble::Hits found;
-  if (!double_doubles_->find(local.o, local.d, found)) return false;
+  int l_exponent = 0;
+  if (!find_in_double_doubles(ray, found, l_exponent)) return false;
   if (!all) found.count = std::min<std::size_t>(found.count, 1);
   for (std::size_t k = 0; k < found.count; ++k) {
     const BezierDoubleDouble::Hit& hit = found.list[k];
-    if (!hits.add(scale_by_power(hit.l.hi, local.l_exponent), hit.multiplicity)) return false;
+    if (!hits.add(scale_by_power(hit.l.hi, l_exponent), hit.multiplicity)) return false;
   }
   return true;
 }
@@ -434,7 +440,7 @@ bool BezierRevolutionCertified::find_in_double_doubles(const Ray& ray, bool all,
 void BezierRevolutionCertified::decide(const Ray& ray, bool all, KernelAnswers& answers,
                                        std::size_t at) const {
   HitsOfRay fast(answers, at);
-  if (find_in_double_doubles(ray, all, fast)) return fast.close(2);
+  if (add_double_doubles(ray, all, fast)) return fast.close(2);
   ExactBezierRevolution::Hits found = exact_->hits(ray);
   if (!found) return;
   HitsOfRay hits(answers, at);

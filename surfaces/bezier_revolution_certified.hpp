@@ -36,11 +36,19 @@ class BezierRevolutionCertified {
   BezierRevolutionCertified(const BezierRevolution& surface, const Parameters& options);
   void intersect(std::span<const Ray> rays, bool all, KernelAnswers& answers, std::size_t first) const;
 
+  /// The middle tier: all hits of a ray, l in units of 2^l_exponent; false where it proves nothing.
+  [[nodiscard]] bool find_in_double_doubles(const Ray& ray, BezierDoubleDouble::Hits& found,
+                                            int& l_exponent) const;
+  /// The last tier.
+  [[nodiscard]] ExactBezierRevolution::Hits exact_hits(const Ray& ray) const {
+    return exact_ ? exact_->hits(ray) : std::nullopt;
+  }
+
  private:
   void prepare_lanes(const BezierProfile& profile, double size);
   bool add_track(const BezierProfile& profile, const MonotonePiece& piece);
   void run_lanes(std::span<const Ray> rays, bool all, const BezierAnswers& to) const;
-  [[nodiscard]] bool find_in_double_doubles(const Ray& ray, bool all, HitsOfRay& hits) const;
+  [[nodiscard]] bool add_double_doubles(const Ray& ray, bool all, HitsOfRay& hits) const;
   void decide(const Ray& ray, bool all, KernelAnswers& answers, std::size_t at) const;
 
   int unit_;

@@ -76,18 +76,9 @@ double TeardropFaithfulStep::crossing_near(const Ray& ray, double l, bool enters
   return std::nextafter(lo, hi);
 }
 
-/// Of two hits x rounds from both, the one that is further from it moves by an ulp: neither is then further
-/// from its own than that.
 bool TeardropFaithfulStep::isolate(const Ray& ray, bool all, HitsOfRay& hits) const {
   std::vector<ExactHit> exact = exact_teardrop_hits(ray, size_);
-  for (std::size_t k = 0; k < exact.size(); ++k) {
-    double l = exact[k].l.to_double();
-    const bool meets = k + 1 < exact.size() && exact[k + 1].l.to_double() == l;
-    if (meets && exact[k + 1].l.compare_with(Dyadic(l)) < 0) l = std::nextafter(l, 0.0);
-    if (!hits.add(l, exact[k].multiplicity)) return false;
-    if (!all) break;
-  }
-  return true;
+  return add_nearest(exact, all, hits);
 }
 
 }  // namespace graze
