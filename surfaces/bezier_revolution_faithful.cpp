@@ -1,8 +1,9 @@
 #include <graze/surfaces/bezier_revolution_faithful.hpp>
 
 #include <cmath>
+#include <limits>
 
-#include <graze/surfaces/faithful_kernel.hpp>
+#include <graze/surfaces/nearest_doubles.hpp>
 
 namespace graze {
 namespace {

@@ -6,6 +6,7 @@
 
 #include <graze/solvers/certified.hpp>
 #include <graze/solvers/math/scaling.hpp>
+#include <graze/surfaces/nearest_doubles.hpp>
 #include <graze/surfaces/teardrop_exact.hpp>
 
 namespace graze {
