@@ -6,7 +6,8 @@
 //          inputs are in_range(x, k), that is zero or 2^(52 - floor(1074/k)) <= |x| <= 2^floor(1000/k) (k =
 //          2: 2^-485 ... 2^500, k = 3: 2^-306 ... 2^333), and it has fewer than 2^20 terms. Reason: such an x
 //          is a multiple of 2^-floor(1074/k), so no part of a product lies below the smallest subnormal, and
-//          sums stay below 2^1022. Outside this range a result may be rounded, and nothing tells.
+//          sums stay below 2^1022. Outside this range a result may be rounded, and nothing tells, or it
+//          leaves the doubles: is_finite() is then false, and of everything computed from it.
 // Returns: a value type; parts are non-zero and nonadjacent, the smallest first; zero has none.
 // Error:   none in range. value() is the correctly rounded double, ties to even.
 // Cost:    m + n additions of 6 flops for a sum of m and n parts, 2mn products for a product, then one
@@ -79,7 +80,8 @@ class PartList {
 
 /// e + f (FAST-EXPANSION-SUM): both strongly nonoverlapping, and so is the sum.
 inline PartList sum_of(std::span<const double> e, std::span<const double> f) {
-  PartList sum(e.size() + f.size());
+  // One more than finite numbers need: the first remainder is zero unless a part is not finite.
+  PartList sum(e.size() + f.size() + 1);
   std::size_t i = 0, j = 0;
   double q = 0;
   while (i < e.size() || j < f.size()) {
@@ -95,7 +97,9 @@ inline PartList sum_of(std::span<const double> e, std::span<const double> f) {
 
 /// e k (SCALE-EXPANSION): nonadjacent if e is.
 inline PartList product_of(std::span<const double> e, double k) {
-  PartList product(2 * e.size());
+  // One more than finite numbers need: the first remainder is zero unless a part is not finite.
+  PartList product(2 * e.size() + 1);
+  if (e.empty()) product.append_nonzero(0 * k);
   double q = 0;
   for (const double part : e) {
     const DoubleDouble t = two_prod(part, k);
@@ -174,7 +178,9 @@ class Expansion {
     return size >= std::ldexp(1.0, 52 - 1074 / degree) && size <= std::ldexp(1.0, 1000 / degree);
   }
 
-  /// -1, 0 or 1: the largest part outweighs the others together.
+  /// False once a sum or a product has left the doubles: the last part then is an infinity or no number.
+  [[nodiscard]] bool is_finite() const { return is_zero() || std::isfinite(parts_.view().back()); }
+  /// -1, 0 or 1: the largest part outweighs the others together. Needs: is_finite().
   [[nodiscard]] int sign() const {
     if (is_zero()) return 0;
     return parts_.view().back() < 0 ? -1 : 1;
@@ -211,6 +217,8 @@ class Expansion {
   friend Expansion operator*(const Expansion& x, const Expansion& y) {
     const bool x_longer = x.parts_.size() > y.parts_.size();
     const Expansion& longer = x_longer ? x : y;
+    // Zero has no parts to run over; times what is no number it is none either.
+    if (x.is_zero() || y.is_zero()) return longer * 0.0;
     Expansion product;
     for (const double part : (x_longer ? y : x).parts()) product += longer * part;
     return product;

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cinttypes>
 #include <cstdio>
+#include <vector>
 
 #include <graze/solvers/math/expansion.hpp>
 
@@ -188,6 +189,47 @@ TEST(Expansion, TheStatedRangeIsExactAtItsEnds) {
     }
   }
   EXPECT_TRUE(Expansion::in_range(0x1p-480) && Expansion::in_range(0x1p480) && Expansion::in_range(0));
+}
+
+/// A sum of `count` doubles whose bits lie far apart: its parts are the doubles.
+Expansion spread_out(int count) {
+  Expansion sum;
+  for (int k = 0; k < count; ++k) sum += Expansion(std::ldexp(1.0, 1000 - 60 * k));
+  return sum;
+}
+
+TEST(Expansion, WhatLeavesTheDoublesIsSeenAndWritesNothingOutOfBounds) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  // Lengths on both sides of where parts, or the sums and products of them, move to the heap.
+  for (int count = 0; count <= static_cast<int>(Expansion::kInlineParts) + 1; ++count) {
+    const Expansion x = spread_out(count);
+    ASSERT_TRUE(x.is_finite());
+    for (const double y : {kInfinity, -kInfinity, kNan}) {
+      const Expansion wild(y);
+      EXPECT_FALSE(wild.is_finite());
+      for (const Expansion& result : {x * y, x + y, x - y, y - x, x * wild, wild * x, wild * wild - x, -wild,
+                                      abs(wild) + x, (x + wild) * (x - wild), (wild - wild) * x})
+        ASSERT_FALSE(result.is_finite()) << count << " parts, " << y;
+      EXPECT_FALSE(std::isfinite((x * y).value()));
+    }
+    // The largest products overflow, smaller ones do not.
+    EXPECT_EQ((x * 0x1p900).is_finite(), count == 0) << count;
+    EXPECT_EQ((x * x).is_finite(), count == 0) << count;
+  }
+}
+
+/// A capacity is asked for before the numbers are seen: whatever they are, no more parts may come.
+TEST(Expansion, SumsAndProductsKeepTheirCapacityWhateverTheNumbers) {
+  Rng rng = seeded(5);
+  for (int i = 0; i < kCases; ++i) {
+    std::vector<double> e(rng.next() % 40), f(rng.next() % 40);
+    for (std::vector<double>* const parts : {&e, &f})
+      for (double& part : *parts) part = std::bit_cast<double>(rng.next());
+    const double k = std::bit_cast<double>(rng.next() | (i % 2 == 0 ? 0x7ff0000000000000U : 0U));
+    ASSERT_LE(detail::product_of(e, k).size(), 2 * e.size() + 1);
+    ASSERT_LE(detail::sum_of(e, f).size(), e.size() + f.size() + 1);
+    ASSERT_LE(detail::compressed(e).size(), e.size());
+  }
 }
 
 template <class T>
