@@ -25,13 +25,13 @@ struct BoxFace {
   template <class T>
   [[nodiscard]] T top(const LocalRay& ray) const {
     const T plane = exactly<T>(at);
-    const T origin = exactly<T>(component(ray.o, axis));
+    const T origin = origin_as<T>(ray)[axis];
     return side < 0 ? origin - plane : plane - origin;
   }
   template <class T>
   [[nodiscard]] T bottom(const LocalRay& ray) const {
-    const double along = component(ray.d, axis);
-    return exactly<T>(side < 0 ? -along : along);
+    const T along = direction_as<T>(ray)[axis];
+    return side < 0 ? -along : along;
   }
 };
 

@@ -34,6 +34,47 @@ requires std::is_floating_point_v<T> T sqr(T x) { return x * x; }
 
 namespace detail {
 
+/// A ray's `local` number, which is `world` 2^-k rounded, as a number of type T that is exact or holds it.
+/// Expansions cannot: nobody asks for them unless the ray is exact.
+template <class T>
+T unrounded(double local, double world, int k) {
+  constexpr double kLeast = std::numeric_limits<double>::denorm_min();
+  const bool is_same = scale_by_power(local, k) == world;
+  if constexpr (std::is_same_v<T, Dyadic>) {
+    return scale_by_power(T(world), -k);
+  } else if constexpr (std::is_same_v<T, Interval>) {
+    return is_same ? point(local) : Interval{next_below(local), next_above(local)};
+  } else if constexpr (std::is_constructible_v<T, double, double> && !std::is_same_v<T, DoubleDouble>) {
+    // A number with a bound on its error.
+    return T(local, is_same ? 0 : kLeast);
+  } else {
+    return exactly<T>(local);
+  }
+}
+
+template <class T>
+std::array<T, 3> unrounded(Vec3 local, Vec3 world, int k, bool is_exact) {
+  if (is_exact) [[likely]]
+    return {exactly<T>(local.x), exactly<T>(local.y), exactly<T>(local.z)};
+  return {unrounded<T>(local.x, world.x, k), unrounded<T>(local.y, world.y, k),
+          unrounded<T>(local.z, world.z, k)};
+}
+
+}  // namespace detail
+
+/// The ray's origin and direction in numbers of type T: exactly for Dyadic, and held by numbers with bounds,
+/// also where the local frame has lost bits of them.
+template <class T>
+std::array<T, 3> origin_as(const LocalRay& ray) {
+  return detail::unrounded<T>(ray.o, ray.world.o, ray.unit, ray.is_exact);
+}
+template <class T>
+std::array<T, 3> direction_as(const LocalRay& ray) {
+  return detail::unrounded<T>(ray.d, ray.world.d, ray.unit - ray.l_exponent, ray.is_exact);
+}
+
+namespace detail {
+
 template <class T>
 std::span<T> store(Arena& arena, std::span<const T> values) {
   const std::span<T> kept = arena.array<T>(values.size());
@@ -58,10 +99,15 @@ ExactCoefficients exact_by(EquationBlock& block, double origin, const Make& make
 /// The point p at l = centre: as rounded in `ray`, enclosed, or exactly.
 template <class T>
 std::array<T, 3> recentred_point(const LocalRay& ray) {
+  const auto sum = [&] {
+    const std::array<T, 3> o = origin_as<T>(ray), d = direction_as<T>(ray);
+    const T centre = exactly<T>(ray.centre);
+    return std::array<T, 3>{o[0] + centre * d[0], o[1] + centre * d[1], o[2] + centre * d[2]};
+  };
   if constexpr (std::is_same_v<T, Dyadic>) {
-    const auto coordinate = [&](double o, double d) { return T(o) + T(ray.centre) * T(d); };
-    return {coordinate(ray.o.x, ray.d.x), coordinate(ray.o.y, ray.d.y), coordinate(ray.o.z, ray.d.z)};
+    return sum();
   } else if constexpr (std::is_same_v<T, Interval>) {
+    if (!ray.is_exact) return sum();
     if (ray.centre == 0) return {point(ray.o.x), point(ray.o.y), point(ray.o.z)};
     // The product exactly, so that only what is left after the large parts cancel is rounded.
     const auto coordinate = [&](double o, double d) {

@@ -12,6 +12,7 @@
 // source        document 004; Cyrus, Beck 1978 (see convex_solid.hpp)
 #pragma once
 
+#include <array>
 #include <tuple>
 #include <vector>
 
@@ -26,18 +27,17 @@ struct HalfspaceFace {
 
   template <class T>
   [[nodiscard]] T top(const LocalRay& ray) const {
-    return exactly<T>(b) - times<T>(ray.o);
+    return exactly<T>(b) - times(origin_as<T>(ray));
   }
   template <class T>
   [[nodiscard]] T bottom(const LocalRay& ray) const {
-    return times<T>(ray.d);
+    return times(direction_as<T>(ray));
   }
 
  private:
   template <class T>
-  [[nodiscard]] T times(Vec3 v) const {
-    return exactly<T>(n.x) * exactly<T>(v.x) + exactly<T>(n.y) * exactly<T>(v.y) +
-           exactly<T>(n.z) * exactly<T>(v.z);
+  [[nodiscard]] T times(const std::array<T, 3>& v) const {
+    return exactly<T>(n.x) * v[0] + exactly<T>(n.y) * v[1] + exactly<T>(n.z) * v[2];
   }
 };
 

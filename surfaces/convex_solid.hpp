@@ -55,6 +55,7 @@ inline Lifted lifted(const LocalRay& ray) {
   if (Bits(ray.d).low >= kLow) return {ray, 0};
   Lifted result{ray, kLift};
   result.ray.d = scale_by_power(ray.d, kLift);
+  result.ray.l_exponent += kLift;
   return result;
 }
 
@@ -69,6 +70,7 @@ struct Ball {
   Ball(double x, double e) : value(x), error(e) {}
 
   friend Ball operator+(Ball a, Ball b) { return rounded(a.value + b.value, a.error + b.error); }
+  friend Ball operator-(Ball a) { return {-a.value, a.error}; }
   friend Ball operator-(Ball a, Ball b) { return rounded(a.value - b.value, a.error + b.error); }
   friend Ball operator*(Ball a, Ball b) {
     return rounded(a.value * b.value,
@@ -189,7 +191,7 @@ class ExactClipping {
   /// The sign of what `quick` encloses: by expansions where it does not tell, by integers beyond their range.
   template <class Formula>
   int sign(const Interval& quick, const Bits& bits, const Formula& formula) {
-    const auto told = sign_of(quick, bits.is_exact(), [&] { return formula(Expansion{}); });
+    const auto told = sign_of(quick, ray_.is_exact && bits.is_exact(), [&] { return formula(Expansion{}); });
     return told ? *told : formula(Dyadic()).sign();
   }
 
@@ -302,7 +304,7 @@ DoubleDouble crossing_of(const Face& face, const Grain& grain, const Lifted& lin
   const LocalRay& ray = line.ray;
   const auto top = [&](auto number) { return face.template top<decltype(number)>(ray); };
   const auto bottom = [&](auto number) { return face.template bottom<decltype(number)>(ray); };
-  const bool is_exact = (grain.top(ray) | grain.bottom(ray)).is_exact();
+  const bool is_exact = ray.is_exact && (grain.top(ray) | grain.bottom(ray)).is_exact();
   const DoubleDouble l = is_exact ? sharp(top, grain.top(ray)) / sharp(bottom, grain.bottom(ray))
                                   : quotient(top(Dyadic()), bottom(Dyadic()));
   return {scale_by_power(l.hi, line.exponent), scale_by_power(l.lo, line.exponent)};

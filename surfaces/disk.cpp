@@ -31,7 +31,7 @@ void DiskExact::pose(const LocalRay& ray, EquationBlock& block) const {
 bool DiskExact::is_inside(const LocalRay& ray, planar::Judge& judge) const {
   return judge.sign([&](auto number) {
     using T = decltype(number);
-    const planar::Array3<T> p = planar::point_of_line<T>(ray), d = planar::exactly<T>(ray.d);
+    const planar::Array3<T> p = planar::point_of_line<T>(ray), d = direction_as<T>(ray);
     const planar::Array3<T> from = planar::difference(p, planar::exactly<T>(data.centre));
     const T c0 = planar::inner(data.plane.normal<T>(), from), c1 = data.plane.slope<T>(ray);
     const planar::Array3<T> x{c1 * from[0] - c0 * d[0], c1 * from[1] - c0 * d[1], c1 * from[2] - c0 * d[2]};
@@ -44,20 +44,19 @@ bool DiskExact::is_inside(const LocalRay& ray, planar::Judge& judge) const {
 void DiskExact::pose_within(const LocalRay& ray, planar::Judge& judge, EquationBlock& block) const {
   const auto b = [&](auto number) {
     using T = decltype(number);
-    return planar::inner(planar::exactly<T>(ray.d),
-                         planar::difference(planar::exactly<T>(ray.o), planar::exactly<T>(data.centre)));
+    return planar::inner(direction_as<T>(ray),
+                         planar::difference(origin_as<T>(ray), planar::exactly<T>(data.centre)));
   };
   const auto c = [&](auto number) {
     using T = decltype(number);
-    const planar::Array3<T> from =
-        planar::difference(planar::exactly<T>(ray.o), planar::exactly<T>(data.centre));
+    const planar::Array3<T> from = planar::difference(origin_as<T>(ray), planar::exactly<T>(data.centre));
     const T r = exactly<T>(data.radius);
     return planar::inner(from, from) - r * r;
   };
   // The discriminant b^2 - a c does not depend on the point of the line: p is the best one.
   const int discriminant = judge.sign([&](auto number) {
     using T = decltype(number);
-    const planar::Array3<T> d = planar::exactly<T>(ray.d);
+    const planar::Array3<T> d = direction_as<T>(ray);
     const planar::Array3<T> from =
         planar::difference(planar::point_of_line<T>(ray), planar::exactly<T>(data.centre));
     const T r = exactly<T>(data.radius), along = planar::inner(d, from);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include <graze/solvers/math/rng.hpp>
 #include <graze/solvers/math/scaling.hpp>
@@ -14,6 +15,8 @@ namespace graze {
 /// Local frame: lengths in units of 2^unit (the surface's size, rounded down to a power of two), direction
 /// scaled by a power of two so that its largest component lies in [1, 2). Both steps are exact (short of
 /// underflow below 2^-1022 of the surface's size), so scaling a scene by 2^k changes no bit of what follows.
+/// Where a bit is lost all the same, is_exact is false: exact numbers come from the world's ray instead
+/// (origin_as, direction_as in coefficients.hpp).
 /// Recentred, for far origins: x = p + delta d with delta = l - centre, p = fma(centre, d, o) rounded once
 /// a coordinate; centre is a double near the ray's closest approach to the surface, 0 when o is near anyway.
 struct LocalRay {
@@ -24,6 +27,9 @@ struct LocalRay {
   int l_exponent = 0;         ///< l of the world = l here * 2^l_exponent
   std::uint32_t surface = 0;  ///< which surface of its group it is a ray of
   double lo = 0, hi = 0;      ///< delta range inside the bounds, outward rounded; lo >= -centre (l >= 0)
+  bool is_exact = true;       ///< o and d are the world's, scaled, to the last bit
+  int unit = 0;               ///< the world's o = o * 2^unit, its d = d * 2^(unit - l_exponent)
+  Ray world{};
 
   /// The point at delta, one rounding a coordinate.
   [[nodiscard]] Vec3 at(double delta) const {
@@ -44,6 +50,16 @@ struct LocalRay {
   }
 };
 
+/// Whether x 2^k is `scaled`, no bit lost below the smallest double or above the largest.
+inline bool is_same_scaled(Vec3 x, int k, Vec3 scaled) {
+  const auto is_same = [k](double own, double other) {
+    // A normal number has lost nothing.
+    const bool is_normal = std::fabs(own) >= std::numeric_limits<double>::min() && std::isfinite(own);
+    return is_normal || scale_by_power(own, k) == other;
+  };
+  return is_same(x.x, scaled.x) && is_same(x.y, scaled.y) && is_same(x.z, scaled.z);
+}
+
 /// The ray in units of 2^unit, not yet recentred or clipped.
 inline LocalRay to_unit(const Ray& ray, int unit) {
   const int direction_exponent = exponent_of(max_abs(ray.d));
@@ -52,6 +68,9 @@ inline LocalRay to_unit(const Ray& ray, int unit) {
   local.d = scale_by_power(ray.d, -direction_exponent);
   local.p = local.o;
   local.l_exponent = unit - direction_exponent;
+  local.unit = unit;
+  local.world = ray;
+  local.is_exact = is_same_scaled(local.o, unit, ray.o) && is_same_scaled(local.d, direction_exponent, ray.d);
   return local;
 }
 

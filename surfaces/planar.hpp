@@ -197,7 +197,7 @@ struct ExactPlane {
   /// n.d
   template <class T>
   [[nodiscard]] T slope(const LocalRay& ray) const {
-    return inner(normal<T>(), planar::exactly<T>(ray.d));
+    return inner(normal<T>(), direction_as<T>(ray));
   }
   /// n.x - b
   template <class T>
@@ -211,7 +211,8 @@ struct ExactPlane {
   /// Whether expansions are exact for slope and height of this ray.
   [[nodiscard]] bool holds(const LocalRay& ray) const {
     const Bits along = bits_of(ray.d) * bits_of(ray.centre);
-    return exact && is_exact(n_bits * (bits_of(ray.o) | along | bits_of(ray.d))) && is_exact(b_bits);
+    const Bits point = bits_of(ray.o) | along | bits_of(ray.d);
+    return exact && ray.is_exact && is_exact(n_bits * point) && is_exact(b_bits);
   }
 };
 
@@ -263,7 +264,7 @@ inline bool is_degenerate(const ExactPlane& plane) {
 template <class T>
 Array3<T> point_of_line(const LocalRay& ray) {
   if constexpr (std::is_same_v<T, Expansion>) {
-    return planar::exactly<T>(ray.o);
+    return origin_as<T>(ray);
   } else {
     return recentred_point<T>(ray);
   }
@@ -273,7 +274,7 @@ Array3<T> point_of_line(const LocalRay& ray) {
 template <class T>
 Array3<T> point_at_centre(const LocalRay& ray) {
   if constexpr (std::is_same_v<T, Expansion>) {
-    const Array3<T> o = planar::exactly<T>(ray.o), d = planar::exactly<T>(ray.d);
+    const Array3<T> o = origin_as<T>(ray), d = direction_as<T>(ray);
     const T centre = graze::exactly<T>(ray.centre);
     return {o[0] + centre * d[0], o[1] + centre * d[1], o[2] + centre * d[2]};
   } else if constexpr (std::is_same_v<T, DoubleDoubleBall>) {
@@ -376,8 +377,7 @@ enum class Meeting { apart, ahead, within };  ///< within: the ray's line lies i
 
 inline Meeting meet(Judge& judge, const ExactPlane& plane, const LocalRay& ray) {
   const int slope = judge.sign([&](auto number) { return plane.slope<decltype(number)>(ray); });
-  const int height =
-      judge.sign([&](auto number) { return plane.height(planar::exactly<decltype(number)>(ray.o)); });
+  const int height = judge.sign([&](auto number) { return plane.height(origin_as<decltype(number)>(ray)); });
   if (slope == 0) return height == 0 ? Meeting::within : Meeting::apart;
   return slope * height < 0 ? Meeting::ahead : Meeting::apart;
 }
@@ -404,12 +404,12 @@ inline constexpr std::uint32_t kTouch = 1;
 inline void pose_touch(EquationBlock& block, const LocalRay& ray, Vec3 v, std::uint32_t which,
                        const Judge& judge) {
   const auto slope = [where = &ray](auto number) {
-    const auto d = planar::exactly<decltype(number)>(where->d);
+    const auto d = direction_as<decltype(number)>(*where);
     return inner(d, d);
   };
   const auto height = [where = &ray, v](auto number) {
     using T = decltype(number);
-    return inner(planar::exactly<T>(where->d), difference(point_at_centre<T>(*where), planar::exactly<T>(v)));
+    return inner(direction_as<T>(*where), difference(point_at_centre<T>(*where), planar::exactly<T>(v)));
   };
   pose_linear(block, ray, kTouch + which, ray.seed(), judge.enclosure(height), judge.enclosure(slope),
               exact_by_formulas(block, ray, height, slope));
@@ -444,16 +444,16 @@ class PlaneSigns {
   [[nodiscard]] int side(Vec3 v) const {
     return judge_.sign([&](auto number) {
       using T = decltype(number);
-      const auto p = point_of_line<T>(ray_);
-      return of<T>(ray_.d, i_) * (of<T>(v, j_) - p[j_]) - of<T>(ray_.d, j_) * (of<T>(v, i_) - p[i_]);
+      const auto p = point_of_line<T>(ray_), d = direction_as<T>(ray_);
+      return d[i_] * (of<T>(v, j_) - p[j_]) - d[j_] * (of<T>(v, i_) - p[i_]);
     });
   }
   /// Sign of l of the foot of v, which lies on the line.
   [[nodiscard]] int ahead(Vec3 v) const {
     return judge_.sign([&](auto number) {
       using T = decltype(number);
-      return of<T>(ray_.d, i_) * (of<T>(v, i_) - of<T>(ray_.o, i_)) +
-             of<T>(ray_.d, j_) * (of<T>(v, j_) - of<T>(ray_.o, j_));
+      const auto o = origin_as<T>(ray_), d = direction_as<T>(ray_);
+      return d[i_] * (of<T>(v, i_) - o[i_]) + d[j_] * (of<T>(v, j_) - o[j_]);
     });
   }
   /// Sign of l where the line crosses the edge from a to b, which lie on opposite sides; b's side is given.
@@ -462,7 +462,8 @@ class PlaneSigns {
   [[nodiscard]] int crossing_ahead(Vec3 a, Vec3 b, int side_of_b) const {
     return side_of_b * judge_.sign([&](auto number) {
       using T = decltype(number);
-      const T oi = of<T>(ray_.o, i_), oj = of<T>(ray_.o, j_);
+      const auto o = origin_as<T>(ray_);
+      const T oi = o[i_], oj = o[j_];
       return (of<T>(a, i_) - oi) * (of<T>(b, j_) - oj) - (of<T>(a, j_) - oj) * (of<T>(b, i_) - oi);
     });
   }

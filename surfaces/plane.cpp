@@ -95,14 +95,28 @@ Plane::Plane(const SurfaceSpec& spec) {
   if (b != 0) size_ = scale_by_power(std::fabs(distance), unit_);
 }
 
+namespace {
+
+/// |x|, or infinity in place of zero, which has no bits to lose.
+double least_size(double x) { return x == 0 ? std::numeric_limits<double>::infinity() : std::fabs(x); }
+
+}  // namespace
+
 /// A plane through the origin has no length of its own: the ray's origin is the unit, so that scaling the
 /// scene changes no bit here either.
 void Plane::measure_by_itself(LocalRay& ray) {
   const double size = max_abs(ray.o);
   if (size == 0 || !std::isfinite(size)) return;
+  const auto measure = [&ray](int k) {
+    ray.o = ray.p = scale_by_power(ray.o, -k);
+    ray.l_exponent += k;
+    ray.unit += k;
+  };
+  // Where that loses bits, or could lose those of a hit, numbers start higher up.
+  constexpr int kHigh = 900;
   const int k = exponent_of(size);
-  ray.o = ray.p = scale_by_power(ray.o, -k);
-  ray.l_exponent += k;
+  const double least = std::min({least_size(ray.o.x), least_size(ray.o.y), least_size(ray.o.z)});
+  measure(exponent_of(least) - k < -kHigh ? k - kHigh : k);
 }
 
 /// Recentres at the crossing, so that delta is a correction of the last digits: a plane has no middle, and a
@@ -117,7 +131,7 @@ bool Plane::clip(LocalRay& ray) const {
   const Interval c1 =
       judge.enclosure([&](auto number) { return data.plane.slope<decltype(number)>(ray); }, kCoarse);
   const Interval c0 = judge.enclosure(
-      [&](auto number) { return data.plane.height(planar::exactly<decltype(number)>(ray.o)); }, kCoarse);
+      [&](auto number) { return data.plane.height(origin_as<decltype(number)>(ray)); }, kCoarse);
   const Interval l = -c0 / c1;
   if (l.hi < 0 && !contains_zero(c1)) return false;
   constexpr double kNear = 4;  // sizes: from there on a hit has digits to lose

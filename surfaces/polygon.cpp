@@ -162,7 +162,7 @@ bool PolygonExact::is_inside(const LocalRay& ray, planar::Judge& judge) const {
   const auto is_above = [&](Vec3 w) {
     return facing * judge.sign([&](auto number) {
       using T = decltype(number);
-      const planar::Array3<T> p = planar::point_of_line<T>(ray), d = planar::exactly<T>(ray.d);
+      const planar::Array3<T> p = planar::point_of_line<T>(ray), d = direction_as<T>(ray);
       const planar::Array3<T> from = planar::difference(planar::exactly<T>(w), p);
       return from[j] * d[k] - from[k] * d[j];
     }) >= 0;
@@ -171,7 +171,7 @@ bool PolygonExact::is_inside(const LocalRay& ray, planar::Judge& judge) const {
     return facing * judge.sign([&](auto number) {
       using T = decltype(number);
       const planar::Array3<T> p = planar::point_of_line<T>(ray);
-      return planar::volume(planar::exactly<T>(ray.d), planar::difference(planar::exactly<T>(a), p),
+      return planar::volume(direction_as<T>(ray), planar::difference(planar::exactly<T>(a), p),
                             planar::difference(planar::exactly<T>(b), p));
     });
   };

@@ -400,6 +400,8 @@ void Quadric::measure_by_origin(LocalRay& ray) {
   ray.o = scale_by_power(ray.o, -k);
   ray.p = ray.o;
   ray.l_exponent += k;
+  ray.unit += k;
+  ray.is_exact = ray.is_exact && is_same_scaled(ray.o, ray.unit, ray.world.o);
 }
 
 double Quadric::size() const {

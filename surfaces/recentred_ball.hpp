@@ -17,6 +17,11 @@ namespace graze {
 
 /// The point at l = centre: the product exactly, then one double-double addition a coordinate.
 inline std::array<DoubleDoubleBall, 3> recentred_ball(const LocalRay& ray) {
+  if (!ray.is_exact) {
+    const auto o = origin_as<DoubleDoubleBall>(ray), d = direction_as<DoubleDoubleBall>(ray);
+    const DoubleDoubleBall centre(ray.centre);
+    return {centre * d[0] + o[0], centre * d[1] + o[1], centre * d[2] + o[2]};
+  }
   const auto coordinate = [&](double o, double d) {
     return DoubleDoubleBall(two_prod(ray.centre, d)) + DoubleDoubleBall(o);
   };

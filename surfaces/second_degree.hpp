@@ -19,13 +19,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
+#include <graze/solvers/math/big_integer.hpp>
 #include <graze/solvers/math/double_double.hpp>
 #include <graze/solvers/math/expansion.hpp>
 #include <graze/solvers/math/interval.hpp>
 #include <graze/solvers/math/scaling.hpp>
 #include <graze/surfaces/coefficients.hpp>
+#include <graze/surfaces/exact.hpp>
 #include <graze/surfaces/surface.hpp>
 
 namespace graze::second_degree {
@@ -43,6 +46,26 @@ class Magnitude {
 
  private:
   double size_ = 0;
+};
+
+/// What a number's bits would be if nothing cancelled, and whether Expansions have lost none of them on the
+/// way to it.
+class Exactness {
+ public:
+  Exactness() = default;
+  explicit Exactness(double x) : bits_(x) {}
+  [[nodiscard]] bool is_exact() const { return is_exact_; }
+
+  friend Exactness operator+(const Exactness& a, const Exactness& b) { return {a.bits_ | b.bits_, a, b}; }
+  friend Exactness operator-(const Exactness& a, const Exactness& b) { return a + b; }
+  friend Exactness operator*(const Exactness& a, const Exactness& b) { return {a.bits_ * b.bits_, a, b}; }
+
+ private:
+  Exactness(const Bits& bits, const Exactness& a, const Exactness& b)
+      : bits_(bits), is_exact_(a.is_exact_ && b.is_exact_ && bits.is_exact()) {}
+
+  Bits bits_;
+  bool is_exact_ = true;
 };
 
 template <class T>
@@ -64,9 +87,9 @@ class Coefficient {
       return wide_;
     } else if constexpr (std::is_same_v<T, Interval>) {
       return wide_.lo == 0 ? point(wide_.hi) : Interval{next_below(wide_.hi), next_above(wide_.hi)};
-    } else if constexpr (std::is_same_v<T, Dyadic>) {
+    } else if constexpr (std::is_same_v<T, Dyadic> || std::is_same_v<T, Exactness>) {
       T sum;
-      for (const double part : exact_.parts()) sum += T(part);
+      for (const double part : exact_.parts()) sum = sum + T(part);
       return sum;
     } else {
       return static_cast<T>(wide_.hi);
@@ -122,11 +145,14 @@ struct QuadraticForm {
 /// double-doubles however much cancels, rounded once for double.
 template <class T>
 Triple<T> point_on(const LocalRay& ray, double delta = 0) {
+  if constexpr (std::is_same_v<T, Dyadic> || std::is_same_v<T, Exactness>) {
+    const Triple<T> o = origin_as<T>(ray), d = direction_as<T>(ray);
+    const T l = T(ray.centre) + T(delta);
+    return {o[0] + l * d[0], o[1] + l * d[1], o[2] + l * d[2]};
+  }
   const auto coordinate = [&](double o, double d) {
     if constexpr (std::is_same_v<T, Expansion>) {
       return Expansion(o) + Expansion(ray.centre) * d + Expansion(delta) * d;
-    } else if constexpr (std::is_same_v<T, Dyadic>) {
-      return T(o) + (T(ray.centre) + T(delta)) * T(d);
     } else {
       const DoubleDouble x = ray.centre == 0 ? DoubleDouble(o) : two_prod(ray.centre, d) + o;
       const DoubleDouble moved = delta == 0 ? x : x + two_prod(delta, d);
@@ -141,7 +167,7 @@ Triple<T> point_on(const LocalRay& ray, double delta = 0) {
 
 template <class T>
 Triple<T> direction_of(const LocalRay& ray) {
-  return {exactly<T>(ray.d.x), exactly<T>(ray.d.y), exactly<T>(ray.d.z)};
+  return direction_as<T>(ray);
 }
 
 /// The hit's position seen from c, good to an ulp a coordinate also where c is far from the origin.
@@ -202,15 +228,20 @@ class Along {
         wide_(form.along(point_on<DoubleDouble>(ray), direction_of<DoubleDouble>(ray))),
         size_(form.along(point_on<Magnitude>(ray), direction_of<Magnitude>(ray))) {
     for (const std::size_t i : {std::size_t{0}, std::size_t{2}}) {
-      sharp_[i] = sharpened(wide_[i], size_[i].size(), [&] { return expanded()[i]; });
+      sharp_[i] = sharpened(wide_[i], size_[i].size(), [i](const auto& q) { return q[i]; });
     }
     // At the vertex B is all but zero, and need only be known to a small part of an ulp of l times A.
     const double allowed = 0x1p-12 * ulp(ray.centre) * sharp_[2].size();
-    const bool is_small = ray.centre != 0 && kError * size_[1].size() <= allowed;
-    sharp_[1] =
-        is_small ? Sharp{wide_[1].hi} : sharpened(wide_[1], size_[1].size(), [&] { return expanded()[1]; });
+    const bool is_small = ray.centre != 0 && allowed > kFloor && kError * size_[1].size() <= allowed;
+    sharp_[1] = is_small ? Sharp{wide_[1].hi}
+                         : sharpened(wide_[1], size_[1].size(), [](const auto& q) { return q[1]; });
   }
 
+  /// Finite, and no coefficient so small that quotients and enclosures of it lose digits.
+  [[nodiscard]] bool is_in_range() const {
+    const auto has_digits = [](const Sharp& x) { return x.value == 0 || x.size() > 0x1p-960; };
+    return is_finite() && has_digits(sharp_[0]) && has_digits(sharp_[1]) && has_digits(sharp_[2]);
+  }
   /// No overflow, and no NaN, in what was computed.
   [[nodiscard]] bool is_finite() const {
     return std::isfinite(size_[0].size()) && std::isfinite(size_[1].size()) &&
@@ -221,10 +252,8 @@ class Along {
   [[nodiscard]] const Sharp& a() const { return sharp_[2]; }
   /// B^2 - A C.
   [[nodiscard]] Sharp discriminant() const {
-    return sharpened(sqr(wide_[1]) - wide_[2] * wide_[0], discriminant_size(), [&] {
-      const Triple<Expansion> q = expanded();
-      return q[1] * q[1] - q[2] * q[0];
-    });
+    return sharpened(sqr(wide_[1]) - wide_[2] * wide_[0], discriminant_size(),
+                     [](const auto& q) { return q[1] * q[1] - q[2] * q[0]; });
   }
   /// For the equation whose coefficients these are, or some of them.
   [[nodiscard]] ExactCoefficients exact(EquationBlock& block, Slice slice = {}) const {
@@ -249,15 +278,25 @@ class Along {
   [[nodiscard]] double discriminant_size() const {
     return size_[1].size() * size_[1].size() + size_[2].size() * size_[0].size();
   }
-  [[nodiscard]] [[gnu::noinline]] Triple<Expansion> expanded() const {  // rare: kept out of the fast path
-    return form_.along(point_on<Expansion>(ray_), direction_of<Expansion>(ray_));
+  /// The formula of C, B, A, rounded to the nearest double but never to zero: by expansions, or by integers
+  /// where those would lose bits.
+  template <class Formula>
+  [[nodiscard]] [[gnu::noinline]] double exact_value(const Formula& formula) const {  // rare: not inlined
+    if (ray_.is_exact && formula(along<Exactness>()).is_exact()) return formula(along<Expansion>()).value();
+    const Dyadic exact = formula(along<Dyadic>());
+    const double value = exact.to_double();
+    return value == 0 ? exact.sign() * std::numeric_limits<double>::denorm_min() : value;
+  }
+  template <class T>
+  [[nodiscard]] Triple<T> along() const {
+    return form_.along(point_on<T>(ray_), direction_of<T>(ray_));
   }
   /// Fewer than 2^7 roundings of 8 u^2 each leave 2^-96 of the size open: less than 2^-56 of a value that is
   /// at least 2^-40 of it. What falls below is computed exactly.
-  template <class Exact>
-  [[nodiscard]] Sharp sharpened(const DoubleDouble& wide, double size, const Exact& exact_value) const {
+  template <class Formula>
+  [[nodiscard]] Sharp sharpened(const DoubleDouble& wide, double size, const Formula& formula) const {
     if (!std::isfinite(size)) return {size};
-    return {std::fabs(wide.hi) >= 0x1p-40 * size && size > kFloor ? wide.hi : exact_value().value()};
+    return {std::fabs(wide.hi) >= 0x1p-40 * size && size > kFloor ? wide.hi : exact_value(formula)};
   }
   static constexpr double kError = 0x1p-96;   ///< of double-doubles, times the size
   static constexpr double kFloor = 0x1p-800;  ///< below, low parts of products underflow
@@ -313,7 +352,9 @@ struct ExactInverse {
 template <class Form>
 void move_to_vertex(const Form& form, LocalRay& ray) {
   const auto q = form.along(point_on<DoubleDouble>(ray), direction_of<DoubleDouble>(ray));
-  set_centre(ray, ray.centre - (q[1] / q[2]).hi);
+  const double before = ray.centre;
+  set_centre(ray, before - (q[1] / q[2]).hi);
+  if (!std::isfinite(ray.centre) || !is_finite(ray.p)) set_centre(ray, before);
 }
 
 enum class Frame { origin, vertex };
@@ -328,6 +369,7 @@ inline Frame frame_of(double a, double b, double c) {
 /// have one sign, so that both roots have the sign of centre.
 template <class Form>
 bool choose_frame(const Form& form, LocalRay& ray) {
+  if (!ray.is_exact) return true;  // decided by exact numbers later
   const auto q = form.along(point_on<double>(ray), direction_of<double>(ray));
   const auto size = form.along(point_on<Magnitude>(ray), direction_of<Magnitude>(ray));
   // Fewer than 2^7 roundings; where they could change the choice or a sign that it rests on, exactly.
@@ -337,9 +379,10 @@ bool choose_frame(const Form& form, LocalRay& ray) {
   const double b2_error = 2 * size[1].size() * error(1);
   const bool clear = std::fabs(ac - 0.5 * q[1] * q[1]) > ac_error + b2_error;
   double a = q[2], b = q[1], c = q[0];
-  if (!clear || (frame_of(a, b, c) == Frame::vertex && std::fabs(b) <= error(1))) {
+  const bool is_small = !(size[1].size() > 0x1p-900);  // where underflow could count
+  if (!clear || (frame_of(a, b, c) == Frame::vertex && (std::fabs(b) <= error(1) || is_small))) {
     const Along<Form> exact(form, ray);
-    if (!exact.is_finite()) return true;  // left to the formulation, which settles it
+    if (!exact.is_in_range()) return true;  // left to the formulation, which settles it
     a = exact.a().value;
     b = exact.b().value;
     c = exact.c().value;
@@ -481,9 +524,9 @@ void pose_at_origin(EquationBlock& block, const LocalRay& ray, const Along<Form>
 template <class Form>
 void pose(const Form& form, const LocalRay& ray, EquationBlock& block) {
   const Along<Form> q(form, ray);
-  if (!q.is_finite()) {
-    if (!pose_beyond_range(block, form, ray)) block.settle(Status::failed);
-    return;
+  if (!ray.is_exact || !q.is_in_range()) {
+    if (pose_beyond_range(block, form, ray)) return;
+    if (!q.is_finite()) return block.settle(Status::failed);
   }
   if (ray.centre == 0) return pose_at_origin(block, ray, q);
   pose_at_vertex(block, ray, q);

@@ -25,13 +25,14 @@ struct TetrahedronFace {
   template <class T>
   [[nodiscard]] T top(const LocalRay& ray) const {
     const auto [x, y, z] = normal_as<T>();
-    return x * (exactly<T>(a.x) - exactly<T>(ray.o.x)) + y * (exactly<T>(a.y) - exactly<T>(ray.o.y)) +
-           z * (exactly<T>(a.z) - exactly<T>(ray.o.z));
+    const std::array<T, 3> o = origin_as<T>(ray);
+    return x * (exactly<T>(a.x) - o[0]) + y * (exactly<T>(a.y) - o[1]) + z * (exactly<T>(a.z) - o[2]);
   }
   template <class T>
   [[nodiscard]] T bottom(const LocalRay& ray) const {
     const auto [x, y, z] = normal_as<T>();
-    return x * exactly<T>(ray.d.x) + y * exactly<T>(ray.d.y) + z * exactly<T>(ray.d.z);
+    const std::array<T, 3> d = direction_as<T>(ray);
+    return x * d[0] + y * d[1] + z * d[2];
   }
   /// (b - a) x (c - a).
   template <class T>

@@ -31,7 +31,7 @@ struct TriangleData {
     const auto from = [&](std::size_t k) {
       return planar::difference(planar::exactly<T>(vertices[k % 3]), p);
     };
-    return planar::volume(planar::exactly<T>(ray.d), from(i + 1), from(i + 2));
+    return planar::volume(direction_as<T>(ray), from(i + 1), from(i + 2));
   }
   /// Whether expansions hold the weights of this ray.
   [[nodiscard]] bool holds(const LocalRay& ray) const {
