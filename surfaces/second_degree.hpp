@@ -348,13 +348,19 @@ struct ExactInverse {
 
 // --------------------------------------------------------------------------------------------------- frame
 
-/// Moves p to the vertex of f along the ray, l = -B/A, to within an ulp or so of l.
+/// Moves p to l = centre, unless the numbers leave the range of double.
+inline void move_to(LocalRay& ray, double centre) {
+  LocalRay moved = ray;
+  set_centre(moved, centre);
+  if (std::isfinite(centre) && is_finite(moved.p)) ray = moved;
+}
+
+/// Moves p to the vertex of f along the ray, l = -B/A, to within an ulp or so of l. Needs: an A that is more
+/// than the rounding of double-doubles.
 template <class Form>
 void move_to_vertex(const Form& form, LocalRay& ray) {
   const auto q = form.along(point_on<DoubleDouble>(ray), direction_of<DoubleDouble>(ray));
-  const double before = ray.centre;
-  set_centre(ray, before - (q[1] / q[2]).hi);
-  if (!std::isfinite(ray.centre) || !is_finite(ray.p)) set_centre(ray, before);
+  move_to(ray, ray.centre - (q[1] / q[2]).hi);
 }
 
 enum class Frame { origin, vertex };
@@ -379,17 +385,24 @@ bool choose_frame(const Form& form, LocalRay& ray) {
   const double b2_error = 2 * size[1].size() * error(1);
   const bool clear = std::fabs(ac - 0.5 * q[1] * q[1]) > ac_error + b2_error;
   double a = q[2], b = q[1], c = q[0];
+  bool is_plain = true;
   const bool is_small = !(size[1].size() > 0x1p-900);  // where underflow could count
   if (!clear || (frame_of(a, b, c) == Frame::vertex && (std::fabs(b) <= error(1) || is_small))) {
     const Along<Form> exact(form, ray);
     if (!exact.is_in_range()) return true;  // left to the formulation, which settles it
+    is_plain = false;
     a = exact.a().value;
     b = exact.b().value;
     c = exact.c().value;
   }
   if (frame_of(a, b, c) == Frame::origin) return true;
   if (b == 0 || (b < 0) == (a < 0)) return false;
-  move_to_vertex(form, ray);
+  // Near a cone's apex A and B can cancel below double-doubles.
+  if (is_plain) {
+    move_to_vertex(form, ray);
+  } else {
+    move_to(ray, -b / a);
+  }
   return true;
 }
 
