@@ -289,8 +289,8 @@ FormulationInfo QuadricAlgebraic::info() {
 template <class T>
 std::array<T, 3> QuadricAlgebraic::along(const LocalRay& ray) const {
   const auto k = [&](Index i) { return exactly<T>(coefficients[i]); };
-  const T x0 = exactly<T>(ray.o.x), y0 = exactly<T>(ray.o.y), z0 = exactly<T>(ray.o.z);
-  const T xd = exactly<T>(ray.d.x), yd = exactly<T>(ray.d.y), zd = exactly<T>(ray.d.z);
+  const auto [x0, y0, z0] = origin_as<T>(ray);
+  const auto [xd, yd, zd] = direction_as<T>(ray);
   const T two = exactly<T>(2);
   const T a = k(kA) * xd * xd + k(kE) * yd * yd + k(kH) * zd * zd +
               two * (k(kB) * xd * yd + k(kC) * xd * zd + k(kF) * yd * zd);

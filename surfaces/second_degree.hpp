@@ -240,7 +240,9 @@ class Along {
   /// Finite, and no coefficient so small that quotients and enclosures of it lose digits.
   [[nodiscard]] bool is_in_range() const {
     const auto has_digits = [](const Sharp& x) { return x.value == 0 || x.size() > 0x1p-960; };
-    return is_finite() && has_digits(sharp_[0]) && has_digits(sharp_[1]) && has_digits(sharp_[2]);
+    // At the vertex B is what rounding has left of zero.
+    const bool has_b = ray_.centre != 0 || has_digits(sharp_[1]);
+    return is_finite() && has_digits(sharp_[0]) && has_b && has_digits(sharp_[2]);
   }
   /// No overflow, and no NaN, in what was computed.
   [[nodiscard]] bool is_finite() const {
@@ -537,9 +539,11 @@ void pose_at_origin(EquationBlock& block, const LocalRay& ray, const Along<Form>
 template <class Form>
 void pose(const Form& form, const LocalRay& ray, EquationBlock& block) {
   const Along<Form> q(form, ray);
-  if (!ray.is_exact || !q.is_in_range()) {
+  if (!q.is_in_range()) {
     if (pose_beyond_range(block, form, ray)) return;
     if (!q.is_finite()) return block.settle(Status::failed);
+    // Enclosures would have to hold what the numbers have lost.
+    if (block.form() == graze::Form::interval) return block.settle(Status::uncertain);
   }
   if (ray.centre == 0) return pose_at_origin(block, ray, q);
   pose_at_vertex(block, ray, q);

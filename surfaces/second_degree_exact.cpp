@@ -26,6 +26,26 @@ std::array<Dyadic, 3> brought_into_range(const Triple<Dyadic>& q) {
   return c;
 }
 
+/// No real root, or none ahead of the ray's origin: Descartes' rule of signs.
+bool has_no_hit(const Triple<Dyadic>& q, double centre) {
+  if ((q[1] * q[1] - q[0] * q[2]).sign() < 0) return true;
+  const auto has_sign = [&](int sign) {
+    return std::any_of(q.begin(), q.end(), [sign](const Dyadic& x) { return x.sign() == sign; });
+  };
+  return centre == 0 && !(has_sign(1) && has_sign(-1));
+}
+
+/// Whether a root may be beyond double in local units, by Fujiwara's bound: it would be lost.
+bool may_overflow(std::span<const Dyadic> c) {
+  constexpr long kHighest = 1020;
+  const long degree = static_cast<long>(c.size()) - 1, top = c.back().top_exponent();
+  for (long i = 0; i < degree; ++i) {
+    const Dyadic& x = c[static_cast<std::size_t>(i)];
+    if (!x.is_zero() && x.top_exponent() - top > kHighest * (degree - i)) return true;
+  }
+  return false;
+}
+
 Interval enclosure_of(const Dyadic& x) { return {x.round_down(), x.round_up()}; }
 
 }  // namespace
@@ -55,9 +75,14 @@ bool pose_beyond_range(EquationBlock& block, const Form& form, const LocalRay& r
   }
   // Roots at the ray's origin are no hits.
   while (ray.centre == 0 && q[first].is_zero()) ++first;
+  if (has_no_hit(q, ray.centre)) return true;
   const std::array<Dyadic, 3> c = brought_into_range(q);
   const std::span<const Dyadic> own = std::span(c).subspan(first, size - first);
   if (own.size() < 2) return true;
+  if (may_overflow(own)) {
+    block.settle(Status::uncertain);
+    return true;
+  }
   const std::span<Interval> enclosures = block.arena().array<Interval>(own.size());
   std::transform(own.begin(), own.end(), enclosures.begin(), enclosure_of);
   detail::pose_stored(block, kSimple, Basis::power, -ray.centre, std::numeric_limits<double>::infinity(),

@@ -153,7 +153,7 @@ struct Known {
   unsigned on_wild = 0;  ///< on rays with numbers that are all but zero or very large
 };
 constexpr unsigned kAll = ~0U;
-constexpr std::array<Known, 14> kKnown{{
+constexpr std::array<Known, 10> kKnown{{
     // Two hits next to the apex, or one next to the origin, are taken for none; errors far away.
     {"teardrop", set_of({Fault::count, Fault::error}), kAll},
     // Some rays are left uncertain; the top pole is missed; errors of the lift.
@@ -164,18 +164,14 @@ constexpr std::array<Known, 14> kKnown{{
     // Two sheets at one double; errors from the surface itself and at a slender tube; pairs taken for
     // touches.
     {"torus", set_of({Fault::count, Fault::error, Fault::merged}), kAll},
-    // From so far that no double tells two faces apart.
-    {"convex_polyhedron", set_of({Fault::undecided}), kAll},
-    // Products that underflow or overflow.
-    {"sphere", 0, kAll},
-    {"ellipsoid", 0, kAll},
-    {"quadric", 0, kAll},
-    {"box", 0, kAll},
-    {"tetrahedron", 0, kAll},
-    {"plane", 0, kAll},
-    {"triangle", 0, kAll},
-    {"polygon", 0, kAll},
-    {"disk", 0, kAll},
+    // Hits, or origins, that leave the range of double in the surface's own units.
+    {"quadric", 0, set_of({Fault::undecided})},
+    {"plane", 0, set_of({Fault::undecided})},
+    {"triangle", 0, set_of({Fault::undecided})},
+    {"polygon", 0, set_of({Fault::undecided})},
+    {"disk", 0, set_of({Fault::undecided})},
+    // Where l is next to the smallest normal number.
+    {"convex_polyhedron", 0, set_of({Fault::undecided})},
 }};
 
 /// Numbers whose products may leave the range of normal doubles.
