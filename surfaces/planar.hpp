@@ -463,7 +463,7 @@ class PlaneSigns {
     return side_of_b * judge_.sign([&](auto number) {
       using T = decltype(number);
       const auto o = origin_as<T>(ray_);
-      const T oi = o[i_], oj = o[j_];
+      const T &oi = o[i_], &oj = o[j_];
       return (of<T>(a, i_) - oi) * (of<T>(b, j_) - oj) - (of<T>(a, j_) - oj) * (of<T>(b, i_) - oi);
     });
   }

@@ -240,9 +240,10 @@ class Along {
   /// Finite, and no coefficient so small that quotients and enclosures of it lose digits.
   [[nodiscard]] bool is_in_range() const {
     const auto has_digits = [](const Sharp& x) { return x.value == 0 || x.size() > 0x1p-960; };
-    // At the vertex B is what rounding has left of zero.
-    const bool has_b = ray_.centre != 0 || has_digits(sharp_[1]);
-    return is_finite() && has_digits(sharp_[0]) && has_b && has_digits(sharp_[2]);
+    // At the vertex B and C are what rounding has left of zero.
+    const bool is_at_vertex = ray_.centre != 0;
+    return is_finite() && (is_at_vertex || (has_digits(sharp_[0]) && has_digits(sharp_[1]))) &&
+           has_digits(sharp_[2]);
   }
   /// No overflow, and no NaN, in what was computed.
   [[nodiscard]] bool is_finite() const {
@@ -377,7 +378,6 @@ inline Frame frame_of(double a, double b, double c) {
 /// have one sign, so that both roots have the sign of centre.
 template <class Form>
 bool choose_frame(const Form& form, LocalRay& ray) {
-  if (!ray.is_exact) return true;  // decided by exact numbers later
   const auto q = form.along(point_on<double>(ray), direction_of<double>(ray));
   const auto size = form.along(point_on<Magnitude>(ray), direction_of<Magnitude>(ray));
   // Fewer than 2^7 roundings; where they could change the choice or a sign that it rests on, exactly.
@@ -385,7 +385,7 @@ bool choose_frame(const Form& form, LocalRay& ray) {
   const double ac = std::fabs(q[0] * q[2]);
   const double ac_error = error(0) * size[2].size() + size[0].size() * error(2);
   const double b2_error = 2 * size[1].size() * error(1);
-  const bool clear = std::fabs(ac - 0.5 * q[1] * q[1]) > ac_error + b2_error;
+  const bool clear = ray.is_exact && std::fabs(ac - 0.5 * q[1] * q[1]) > ac_error + b2_error;
   double a = q[2], b = q[1], c = q[0];
   bool is_plain = true;
   const bool is_small = !(size[1].size() > 0x1p-900);  // where underflow could count
@@ -486,7 +486,10 @@ void pose_at_vertex(EquationBlock& block, const LocalRay& ray, const Along<Form>
   }
   const double half = std::sqrt(d.value) / q.a().size();
   const double reach = half + offset;
-  if (half < ulp(ray.centre) && block.digits() < Digits::placed)
+  // So near that C has lost its digits, neighbours are within an ulp of both.
+  constexpr double kNear = 0x1p-300;
+  const double spacing = ulp(ray.centre);
+  if (half < spacing && (block.digits() < Digits::placed || half < kNear * spacing))
     return pose_neighbours(block, ray, -q.b().value / q.a().value, half);
   pose_on<3>(block, ray, kSimple, -reach, reach, {q.c(), twice(q.b()), q.a()}, q.exact(block));
 }
