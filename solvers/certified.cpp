@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -97,14 +98,24 @@ bool is_settled(const PolynomialEquation& equation, const Roots& roots) {
                       [&](const Root& root) { return leaves_doubt(root, equation.exact.origin); });
 }
 
-/// Roots that their enclosure, or a shallow slope, leaves open by more than a few ulps take their digits from
-/// double-double where the equation has such coefficients.
-void sharpen(const PolynomialEquation& equation, Roots& roots) {
-  if (equation.exact.near.empty()) return;
+/// Whether l is known to within 3.5 units of 2^-52 |l|, its own rounding included: half a unit less than
+/// promised.
+bool is_sharp(const PolynomialEquation& equation, const Root& root) {
+  return root.placed || root.radius <= 3 * 0x1p-52 * std::fabs(equation.exact.origin + root.x);
+}
+
+/// Gives roots that their enclosure leaves open by more than a few ulps of l their digits, from double-double
+/// where it may be used. False where one stays open, or two get one l, and exact coefficients could tell.
+bool sharpen(const PolynomialEquation& equation, bool in_double_double, Roots& roots) {
+  if (equation.exact.near.empty() || equation.basis != Basis::power) return true;
+  double last = -std::numeric_limits<double>::infinity();
   for (Root& root : roots.list) {
-    const double size = std::fabs(equation.exact.origin) + std::fabs(root.x);
-    if (root.radius > 0x1p-50 * size) place_root(equation, root);
+    if (!is_sharp(equation, root) && !(in_double_double && place_root(equation, root))) return false;
+    const double l = place_of(equation, root);
+    if (!(l > last)) return false;
+    last = l;
   }
+  return true;
 }
 
 /// The option that the tiers' own methods share.
@@ -162,22 +173,18 @@ void Certified::solve(const PolynomialEquation& equation, Roots& roots) const {
   const bool is_degree = effective_degree(equation.c_error) < static_cast<int>(size);
   const bool is_short = equation.basis == Basis::power && is_degree && (size == 2 || size == 3);
   if (is_short && solve_by_formula(equation, size, roots)) {
-    if (is_settled(equation, roots)) return finish(equation, roots);
+    if (is_settled(equation, roots) && sharpen(equation, double_double_, roots)) return;
   } else {
     roots.list.clear();
     solve_by_signs(equation, roots);
     roots.counters.tier = std::max<std::uint32_t>(roots.counters.tier, kDouble);
-    if (is_settled(equation, roots)) return finish(equation, roots);
+    if (is_settled(equation, roots) && sharpen(equation, double_double_, roots)) return;
   }
   const std::optional<ExactPolynomial> exact = exact_polynomial(equation);
   if (!exact) return;
   roots.list.clear();
   roots.counters.tier = kExact;
   add_exact_roots(*exact, equation, roots);
-}
-
-void Certified::finish(const PolynomialEquation& equation, Roots& roots) const {
-  if (double_double_) sharpen(equation, roots);
 }
 
 /// By variations of sign; by inclusions where there are too many coefficients for that. Chebyshev equations

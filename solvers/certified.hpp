@@ -8,7 +8,8 @@
 // returns   ok: the roots, all of them and no other, with their multiplicities; uncertain: coefficients that
 //           are not exact, or inclusions, leave the count open (the listed roots are proved still);
 //           coincident for the zero polynomial; invalid for coefficients that are not finite
-// error     radius proved; the last tier's roots are the doubles nearest to the exact ones
+// error     radius proved; l within 3.5 eps |l| where ExactCoefficients::near is known, in the power basis;
+//           the last tier's roots are the doubles nearest to the exact ones
 // cost      tier 1, double: degree 1 and 2 by formula, else variations of sign; tier 2, double-double: the
 //           same search where double leaves a piece open, 1 to 2 us a piece; tier 3, exact: integers,
 //           microseconds to milliseconds, allocates. Counters::tier tells which one answered
@@ -36,7 +37,6 @@ class Certified {
 
  private:
   void solve_by_signs(const PolynomialEquation& equation, Roots& roots) const;
-  void finish(const PolynomialEquation& equation, Roots& roots) const;
 
   bool double_double_;
   Descartes variations_;

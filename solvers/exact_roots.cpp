@@ -142,7 +142,6 @@ bool is_faithful(double l, const Interval& rest) {
 /// Gives the root its tail where one step proves its place.
 bool place_by(const Interval& step, const PolynomialEquation& equation, Root& root) {
   const double tail = mid(step);
-  // As the scene adds them.
   const DoubleDouble l = two_sum(equation.exact.origin, root.x);
   const double rounded = l.hi + (l.lo + tail);
   const Interval rest = ((point(l.hi) - point(rounded)) + point(l.lo)) + step;
@@ -162,6 +161,12 @@ bool place_by(const Interval& step, const PolynomialEquation& equation, Root& ro
 }
 
 }  // namespace
+
+double place_of(const PolynomialEquation& equation, const Root& root) {
+  // As the scene adds them.
+  const DoubleDouble l = two_sum(equation.exact.origin, root.x);
+  return root.tail == 0 ? l.hi : l.hi + (l.lo + root.tail);
+}
 
 bool place_root(const PolynomialEquation& equation, Root& root) {
   if (equation.basis != Basis::power || root.multiplicity != 1) return false;

@@ -26,6 +26,9 @@ std::optional<ExactPolynomial> exact_polynomial(const PolynomialEquation& equati
 /// Appends the roots of p, the equation's exact polynomial, and sets the status.
 void add_exact_roots(const ExactPolynomial& p, const PolynomialEquation& equation, Roots& roots);
 
+/// The double that a root's l becomes.
+double place_of(const PolynomialEquation& equation, const Root& root);
+
 /// Places a simple root that lies alone within its radius by one interval Newton step, its residual in
 /// double-double; false, and nothing done, where that proves no place (faithful.md has the proof).
 bool place_root(const PolynomialEquation& equation, Root& root);

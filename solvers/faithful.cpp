@@ -7,7 +7,6 @@
 #include <span>
 
 #include <graze/solvers/exact_roots.hpp>
-#include <graze/solvers/math/double_double.hpp>
 
 namespace graze {
 namespace {
@@ -20,8 +19,7 @@ bool place_all(const PolynomialEquation& equation, std::span<Root> roots) {
   double last = -std::numeric_limits<double>::infinity();
   for (Root& root : roots) {
     if (!place_root(equation, root)) return false;
-    const DoubleDouble sum = two_sum(equation.exact.origin, root.x);
-    const double l = sum.hi + (sum.lo + root.tail);
+    const double l = place_of(equation, root);
     if (!(l > last)) return false;
     last = l;
   }

@@ -1,6 +1,7 @@
 // The ladder by itself: what each tier answers, on equations whose roots are known exactly.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -8,6 +9,7 @@
 
 #include <graze/solvers/certified.hpp>
 #include <graze/solvers/math/big_integer.hpp>
+#include <graze/solvers/math/double_double_ball.hpp>
 #include <graze/solvers/math/rng.hpp>
 #include <solvers/hard_polynomials.hpp>
 
@@ -185,6 +187,58 @@ TEST(Certified, AMultipleRootInAnIntervalOfOnePointKeepsItsMultiplicity) {
   const Roots roots = solve(equation_of(c, 0, 0));
   ASSERT_EQ(roots.list.size(), 1U);
   EXPECT_EQ(roots.list[0].multiplicity, 5U);
+}
+
+/// Coefficients that are doubles, as a surface gives them beside their roundings.
+std::vector<DoubleDoubleBall> near_of(const std::vector<double>& c) { return {c.begin(), c.end()}; }
+
+double l_of(const Root& root, double origin) {
+  const DoubleDouble sum = two_sum(origin, root.x);
+  return sum.hi + (sum.lo + root.tail);
+}
+
+// x^4 = n 2^-100, as beside the cusp of a horn torus: what is left open of c0 moves x by up to 2^-45.
+TEST(Certified, TwoRootsWhereTheSlopeAllButVanishesKeepTheirDigits) {
+  constexpr double kOrigin = 4;
+  double worst = 0;
+  for (int n = 1; n <= 256; ++n) {
+    const std::vector<double> exact{-n * 0x1p-100, 0, 0, 0, 1}, error{0x1p-118, 0, 0, 0, 0};
+    std::vector<double> c = exact;
+    c[0] += error[0];
+    std::vector<DoubleDoubleBall> near = near_of(c);
+    near[0] = DoubleDoubleBall(DoubleDouble(c[0]), error[0]);
+    PolynomialEquation equation = equation_of(c, -4, 4);
+    equation.c_error = error;
+    equation.exact = {&exact,
+                      [](const void* self, std::span<Dyadic> to) {
+                        const auto& from = *static_cast<const std::vector<double>*>(self);
+                        for (std::size_t i = 0; i < to.size(); ++i) to[i] = Dyadic(from[i]);
+                      },
+                      kOrigin, near};
+    const Roots roots = solve(equation);
+    EXPECT_EQ(roots.status, Status::ok);
+    ASSERT_EQ(roots.list.size(), 2U) << n;
+    for (const Root& root : roots.list) {
+      const double way = std::fabs(l_of(root, kOrigin) - kOrigin);  // exact
+      worst = std::max(worst, std::fabs(way - std::sqrt(std::sqrt(n)) * 0x1p-25) / (kOrigin * 0x1p-52));
+    }
+  }
+  std::printf("worst error %.3g eps\n", worst);
+  EXPECT_LE(worst, 4);
+}
+
+// x = -+2^-40 about an origin whose ulp is 2^-32.
+TEST(Certified, TwoRootsWithOneNearestDoubleOfLGetNeighbours) {
+  constexpr double kOrigin = 0x1.8p+20;
+  const std::vector<double> c{-0x1p-80, 0, 1};
+  const std::vector<DoubleDoubleBall> near = near_of(c);
+  PolynomialEquation equation = equation_of(c, -kOrigin, kOrigin);
+  equation.exact.near = near;
+  equation.exact.origin = kOrigin;
+  const Roots roots = solve(equation);
+  EXPECT_EQ(roots.counters.tier, 3U);
+  ASSERT_EQ(roots.list.size(), 2U);
+  EXPECT_EQ(l_of(roots.list[1], kOrigin), std::nextafter(l_of(roots.list[0], kOrigin), kInfinity));
 }
 
 TEST(Certified, AnInstructionSetThatIsNoneIsRefused) {
