@@ -107,13 +107,13 @@ double double_beside(const truth::Hit& hit, double sense) {
   return is_beyond ? std::nextafter(hit.l.head, sense * std::numeric_limits<double>::infinity()) : hit.l.head;
 }
 
-/// Whether some hits are more than the doubles within an ulp of them, or three have one nearest double: these
-/// are joined (solvers/faithful.md). Two hits never are.
+/// Whether some hits are more than the doubles within an ulp of them, or three have two nearest doubles:
+/// these are joined (solvers/faithful.md). Two hits never are.
 bool is_crowded(const truth::Answer& truth) {
   for (std::size_t i = 0; i < truth.hits.size(); ++i) {
     for (std::size_t j = i + 2; j < truth.hits.size(); ++j) {
       const double first = double_beside(truth.hits[i], -1), last = double_beside(truth.hits[j], 1);
-      if (truth.hits[i].l.head == truth.hits[j].l.head) return true;
+      if (truth.hits[j].l.head <= std::nextafter(truth.hits[i].l.head, last)) return true;
       if (place_of(last) - place_of(first) < static_cast<std::int64_t>(j - i)) return true;
     }
   }
