@@ -244,7 +244,9 @@ struct Station {
 
 Station station_at(const Line& x, const Margin& margin, Lanes lo, Lanes hi, double height) {
   const Lanes delta = (height - x.py) * margin.per_rise;
-  const Lanes at = min(max(delta, lo), hi);
+  // A level line at this very height meets it nowhere in particular: no number, so that nothing is proved of
+  // it.
+  const Lanes at = select(delta == delta, min(max(delta, lo), hi), delta);
   const Lanes half = fma(x.flat2, at, x.along);
   return {at, fma(at, half + x.along, x.square), 2 * half, delta<lo - margin.eps, delta> hi + margin.eps,
           Mask{}};

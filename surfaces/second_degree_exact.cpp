@@ -64,7 +64,8 @@ ExactCoefficients exact_coefficients(EquationBlock& block, const Form& form, con
 
 template <class Form>
 bool pose_beyond_range(EquationBlock& block, const Form& form, const LocalRay& ray) {
-  const bool is_asked = block.form() == graze::Form::polynomial && block.wants_coefficient_errors();
+  const bool is_asked = block.form() == graze::Form::polynomial && block.precision() == Precision::binary64 &&
+                        block.wants_coefficient_errors();
   if (!is_asked || !std::isfinite(ray.centre)) return false;
   const Triple<Dyadic> q = exactly_along(form, ray);
   std::size_t first = 0, size = 3;

@@ -173,9 +173,7 @@ struct Known {
   unsigned on_wild = 0;  ///< on rays with numbers that are all but zero or very large
 };
 constexpr unsigned kAll = ~0U;
-constexpr std::array<Known, 10> kKnown{{
-    // Two hits next to the apex, or one next to the origin, are taken for none; errors far away.
-    {"teardrop", set_of({Fault::count, Fault::error}), kAll},
+constexpr std::array<Known, 9> kKnown{{
     // Some rays are left uncertain; the top pole is missed; errors of the lift.
     {"bezier_revolution", kAll, kAll},
     // A subnormal part of d.
