@@ -174,8 +174,8 @@ struct Known {
 };
 constexpr unsigned kAll = ~0U;
 constexpr std::array<Known, 9> kKnown{{
-    // Some rays are left uncertain; the top pole is missed; errors of the lift.
-    {"bezier_revolution", kAll, kAll},
+    // Multiplicities above 2, and rays between two control points at one height.
+    {"bezier_revolution", set_of({Fault::multiplicity, Fault::undecided}), kAll},
     // A subnormal part of d.
     {"implicit_polynomial", 0, set_of({Fault::count, Fault::merged})},
     {"torus", 0, set_of({Fault::count, Fault::merged})},
