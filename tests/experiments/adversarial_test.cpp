@@ -174,7 +174,7 @@ struct Known {
 };
 constexpr unsigned kAll = ~0U;
 constexpr std::array<Known, 9> kKnown{{
-    // Multiplicities above 2, and rays between two control points at one height.
+    // Multiplicities above 2 are said to be 2; a few rays stay undecided.
     {"bezier_revolution", set_of({Fault::multiplicity, Fault::undecided}), kAll},
     // A subnormal part of d.
     {"implicit_polynomial", 0, set_of({Fault::count, Fault::merged})},
