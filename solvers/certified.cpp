@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -108,14 +107,9 @@ bool is_sharp(const PolynomialEquation& equation, const Root& root) {
 /// where it may be used. False where one stays open, or two get one l, and exact coefficients could tell.
 bool sharpen(const PolynomialEquation& equation, bool in_double_double, Roots& roots) {
   if (equation.exact.near.empty() || equation.basis != Basis::power) return true;
-  double last = -std::numeric_limits<double>::infinity();
-  for (Root& root : roots.list) {
-    if (!is_sharp(equation, root) && !(in_double_double && place_root(equation, root))) return false;
-    const double l = place_of(equation, root);
-    if (!(l > last)) return false;
-    last = l;
-  }
-  return true;
+  return place_each(equation, roots.list, [&](Root& root) {
+    return is_sharp(equation, root) || (in_double_double && place_root(equation, root));
+  });
 }
 
 /// The option that the tiers' own methods share.
@@ -172,14 +166,12 @@ void Certified::solve(const PolynomialEquation& equation, Roots& roots) const {
   // A leading zero that is known with an error only leaves the degree open.
   const bool is_degree = effective_degree(equation.c_error) < static_cast<int>(size);
   const bool is_short = equation.basis == Basis::power && is_degree && (size == 2 || size == 3);
-  if (is_short && solve_by_formula(equation, size, roots)) {
-    if (is_settled(equation, roots) && sharpen(equation, double_double_, roots)) return;
-  } else {
+  if (!(is_short && solve_by_formula(equation, size, roots))) {
     roots.list.clear();
     solve_by_signs(equation, roots);
     roots.counters.tier = std::max<std::uint32_t>(roots.counters.tier, kDouble);
-    if (is_settled(equation, roots) && sharpen(equation, double_double_, roots)) return;
   }
+  if (is_settled(equation, roots) && sharpen(equation, double_double_, roots)) return;
   const std::optional<ExactPolynomial> exact = exact_polynomial(equation);
   if (!exact) return;
   roots.list.clear();

@@ -11,7 +11,10 @@
 // source    math/exact_polynomial.hpp
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <optional>
+#include <span>
 
 #include <graze/solvers/equation.hpp>
 #include <graze/solvers/math/exact_polynomial.hpp>
@@ -32,5 +35,18 @@ double place_of(const PolynomialEquation& equation, const Root& root);
 /// Places a simple root that lies alone within its radius by one interval Newton step, its residual in
 /// double-double; false, and nothing done, where that proves no place (faithful.md has the proof).
 bool place_root(const PolynomialEquation& equation, Root& root);
+
+/// Calls place(root) for every root, ascending; false where one call is, or where two roots get one l.
+template <class Place>
+bool place_each(const PolynomialEquation& equation, std::span<Root> roots, const Place& place) {
+  double last = -std::numeric_limits<double>::infinity();
+  return std::all_of(roots.begin(), roots.end(), [&](Root& root) {
+    if (!place(root)) return false;
+    const double l = place_of(equation, root);
+    const bool ascends = l > last;
+    last = l;
+    return ascends;
+  });
+}
 
 }  // namespace graze

@@ -1,10 +1,7 @@
 #include <graze/solvers/faithful.hpp>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
-#include <span>
 
 #include <graze/solvers/exact_roots.hpp>
 
@@ -13,18 +10,6 @@ namespace {
 
 /// As Counters::tier reports them.
 enum Tier : std::uint32_t { kDoubleDouble = 2, kExact = 3 };
-
-/// Places every root in double-double; false where one is not proved, or two get the same l.
-bool place_all(const PolynomialEquation& equation, std::span<Root> roots) {
-  double last = -std::numeric_limits<double>::infinity();
-  for (Root& root : roots) {
-    if (!place_root(equation, root)) return false;
-    const double l = place_of(equation, root);
-    if (!(l > last)) return false;
-    last = l;
-  }
-  return true;
-}
 
 /// Proved roots whose digits are not proved are no answer.
 void doubt_digits(Roots& roots) {
@@ -50,7 +35,8 @@ void Faithful::solve(const PolynomialEquation& equation, Roots& roots) const {
   certified_.solve(equation, roots);
   if (roots.status == Status::invalid || roots.status == Status::coincident) return;
   if (roots.counters.tier == kExact || (roots.status == Status::ok && roots.list.empty())) return;
-  if (roots.status == Status::ok && place_all(equation, roots.list)) {
+  const auto place = [&](Root& root) { return place_root(equation, root); };
+  if (roots.status == Status::ok && place_each(equation, roots.list, place)) {
     roots.counters.tier = kDoubleDouble;
     return;
   }

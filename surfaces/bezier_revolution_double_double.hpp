@@ -2,12 +2,10 @@
 // (surfaces/bezier_revolution.md, "Kernel").
 //
 // solves    E(t) = d_y^2 R(t)^2 - |d_xz (Y(t) - p_y) + d_y p_xz|^2 = 0 in [0, 1]; where the line is nearly
-// level
-//           Y(t) = y and |x_xz|^2 = R(t)^2: for the few lines that doubles leave open, grazing ones, those
-//           past or through a pole, origins near the surface
-// needs     a profile of degree at most kMaxDegree in units in which its size is in [1, 2); a line with max
-// |d_i|
-//           in [1, 2)
+//           level Y(t) = y and |x_xz|^2 = R(t)^2: for the few lines that doubles leave open, grazing ones,
+//           those past or through a pole, origins near the surface
+// needs     a profile of degree at most kMaxDegree in units in which its size is in [1, 2); a line with
+//           max |d_i| in [1, 2)
 // returns   all hits ahead of the origin, ascending, or nothing where that is not proved
 // error     of l: its enclosure is at most 2^-54 (l + 1/4) wide on either side of it
 // cost      surfaces/bezier_revolution.md; no allocation

@@ -1,5 +1,5 @@
 // What is done with the answers of every ray of a batch: rays are many and cheap here, and these loops are
-// all that a scene adds to its kernel. Apart from the scene's other code, so that they can be unrolled.
+// all that a scene adds to its kernel. Apart from the scene's other code, so that they can be vectors' loops.
 #include <graze/surfaces/kernel.hpp>
 
 #include <algorithm>

@@ -2,11 +2,11 @@
 //
 // solves    F(l) = R(t(y))^2 - |x_xz|^2 = 0 for l > 0, formulation along_ray, rays in batches
 // needs     finite rays; what is no question is left open
-// returns   by ray: the proved number of hits and their l; open (-1) where double arithmetic proves nothing:
-//           the solver's own tiers answer those
+// returns   by ray: the proved number of hits and their l; open (-1) for what is no question and for an l out
+//           of the range of double
 // error     of l: measured, at most 4 condition units, eps (|l| + L/|n.d|); proof of the count and error
 //           analysis: surfaces/teardrop.md, "Kernel"
-// cost      surfaces/teardrop.md; no allocation
+// cost      surfaces/teardrop.md; allocates in its exact tier only
 // source    graze; majorants from rho''' > 0 (surfaces/teardrop.md)
 #pragma once
 

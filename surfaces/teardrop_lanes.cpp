@@ -266,8 +266,8 @@ struct RayPair {
       against(frame, line, {abs(line.px) + abs(ox), abs(line.py) + abs(oy), abs(line.pz) + abs(oz)},
               first_majorant());
   const Floats size = max(abs(dx), max(abs(dy), abs(dz)));
-  const FloatMask missed = (q.discriminant < -q.error) & (size > kLeast) & (size < kMost);
-  const unsigned left = ((1U << count) - 1) & ~to_bits(missed | (behind & (size > kLeast) & (size < kMost)));
+  const FloatMask missed = ((q.discriminant < -q.error) | behind) & (size > kLeast) & (size < kMost);
+  const unsigned left = ((1U << count) - 1) & ~to_bits(missed);
   store_selected_numbers(entries.ray + entries.size, left, static_cast<std::int32_t>(at));
   entries.size += static_cast<unsigned>(__builtin_popcount(left));
 }
@@ -312,10 +312,11 @@ void file(const Frame& frame, const TeardropBatch& batch, Queue& queue, Queue* e
     // a < 0: entry before exit. The roots from the far side.
     const Quadratic<Floats> q = against(frame, line, first_majorant());
     const Floats root = sqrt(max(q.discriminant, Floats{}) + q.error) + kMargin * q.size;
-    store(&queue.start[i], finite((kReversed ? root + q.b : root - q.b) / q.a));
+    const Floats start = (kReversed ? root + q.b : root - q.b) / q.a;
+    store(&queue.start[i], finite(start));
     if (kReversed || exits == nullptr) continue;
-    const Floats in_at = (root - q.b) / q.a, centre = narrow(pair.centre_a, pair.centre_b);
-    unsigned near = to_bits(~(in_at - kMargin * abs(in_at) > -centre + kMargin * abs(centre)));
+    const Floats centre = narrow(pair.centre_a, pair.centre_b);
+    unsigned near = to_bits(~(start - kMargin * abs(start) > -centre + kMargin * abs(centre)));
     if (queue.size - i < kFloats) near &= (1U << (queue.size - i)) - 1;
     for (; near != 0; near &= near - 1)
       exits->ray[exits->size++] = queue.ray[i + static_cast<unsigned>(__builtin_ctz(near))];
