@@ -465,17 +465,18 @@ ExactPolynomial exact_quotient(const ExactPolynomial& a, const ExactPolynomial& 
   return ExactPolynomial(std::move(quotient));
 }
 
-ExactPolynomial gcd(const ExactPolynomial& p, const ExactPolynomial& q) {
-  const ExactPolynomial one(Coefficients{1});
-  if (surely_coprime(p, q)) return one;
-  ExactPolynomial a = p.primitive_part(), b = q.primitive_part();
-  if (a.degree() < b.degree()) std::swap(a, b);
+namespace {
+
+/// Two neighbours of the sequence of subresultants, the remainders divided by what is known to divide them:
+/// the least integers that need no common divisors [BT]. Needs: deg a >= deg b.
+struct Subresultants {
+  ExactPolynomial a, b;
   BigInteger g = 1, h = 1;
-  while (b.degree() > 0) {
+
+  void advance() {
     const int apart = a.degree() - b.degree();
     const ExactPolynomial rest = pseudo_remainder(a, b);
     a = std::move(b);
-    // Dividing by g h^apart leaves subresultants: the least integers that need no common divisors [BT].
     const BigInteger divisor = g * power(h, apart);
     Coefficients c;
     for (const BigInteger& x : rest.coefficients()) c.push_back(exact_quotient(x, divisor));
@@ -483,35 +484,39 @@ ExactPolynomial gcd(const ExactPolynomial& p, const ExactPolynomial& q) {
     g = a.leading();
     if (apart > 0) h = exact_quotient(power(g, apart), power(h, apart - 1));
   }
-  return b.is_zero() ? a.primitive_part() : one;
+};
+
+}  // namespace
+
+ExactPolynomial gcd(const ExactPolynomial& p, const ExactPolynomial& q) {
+  const ExactPolynomial one(Coefficients{1});
+  if (surely_coprime(p, q)) return one;
+  ExactPolynomial a = p.primitive_part(), b = q.primitive_part();
+  if (a.degree() < b.degree()) std::swap(a, b);
+  Subresultants sequence{std::move(a), std::move(b)};
+  while (sequence.b.degree() > 0) sequence.advance();
+  return sequence.b.is_zero() ? sequence.a.primitive_part() : one;
 }
 
 BigInteger resultant(const ExactPolynomial& p, const ExactPolynomial& q) {
   if (p.is_zero() || q.is_zero()) return 0;
-  ExactPolynomial a = p, b = q;
+  Subresultants sequence{p, q};
+  ExactPolynomial &a = sequence.a, &b = sequence.b;
   bool negative = false;
   const auto are_odd = [&] { return a.degree() % 2 == 1 && b.degree() % 2 == 1; };
   if (a.degree() < b.degree()) {
     negative = are_odd();
     std::swap(a, b);
   }
-  BigInteger g = 1, h = 1;
   while (b.degree() > 0) {
     if (are_odd()) negative = !negative;
-    const int apart = a.degree() - b.degree();
-    const ExactPolynomial rest = pseudo_remainder(a, b);
-    a = std::move(b);
-    const BigInteger divisor = g * power(h, apart);
-    Coefficients c;
-    for (const BigInteger& x : rest.coefficients()) c.push_back(exact_quotient(x, divisor));
-    b = ExactPolynomial(std::move(c));
-    g = a.leading();
-    if (apart > 0) h = exact_quotient(power(g, apart), power(h, apart - 1));
+    sequence.advance();
   }
   if (b.is_zero()) return 0;
   const int n = a.degree();
-  if (n > 0) h = exact_quotient(power(b.leading(), n), power(h, n - 1));
-  return negative ? -h : h;
+  const BigInteger value =
+      n > 0 ? exact_quotient(power(b.leading(), n), power(sequence.h, n - 1)) : BigInteger(1);
+  return negative ? -value : value;
 }
 
 ExactPolynomial image_polynomial(const ExactPolynomial& f, const ExactPolynomial& p) {
