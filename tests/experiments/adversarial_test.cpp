@@ -34,18 +34,10 @@
 
 #include "attack_rays.hpp"
 #include "attack_surfaces.hpp"
+#include "family_rays.hpp"
 
 namespace graze::test {
 namespace {
-
-/// What a solver promises of every hit's l.
-struct Promise {
-  std::string_view solver;
-  double bound;
-  bool in_ulps;  ///< of l; else in condition units eps (|l| + L/|n.d|)
-};
-/// A solver that the build does not have is passed over.
-constexpr std::array<Promise, 2> kPromises{{{"certified", 4, false}, {"faithful", 1, true}}};
 
 std::uint64_t number_from(const char* name, std::uint64_t fallback) {
   const char* const text = std::getenv(name);
@@ -72,14 +64,6 @@ struct Finding {
   double error = 0;  ///< largest, in units of the bound
 };
 
-double error_of(const Promise& promise, double l, const truth::Hit& hit, double lever) {
-  const double error = std::fabs((l - hit.l.head) - hit.l.tail);
-  const double unit =
-      promise.in_ulps ? ulp(hit.l.head) : 0x1p-52 * (std::fabs(hit.l.head) + lever / hit.cosine);
-  // An exact answer is right in any unit, also where the unit is infinite.
-  return error == 0 ? 0 : error / unit / promise.bound;
-}
-
 /// Whether doubles hold the answer: every l a normal number.
 bool is_in_range(const truth::Answer& truth) {
   return std::all_of(truth.hits.begin(), truth.hits.end(), [](const truth::Hit& hit) {
@@ -87,14 +71,14 @@ bool is_in_range(const truth::Answer& truth) {
   });
 }
 
-/// The largest error of the hits. A shadow ray may tell any hit.
-double largest_error(const Promise& promise, const truth::Answer& truth, const HitBuffer& got, Query query,
-                     double lever) {
+/// The largest error of the hits, as a share of the bound. A shadow ray may tell any hit.
+double largest_error(const Promise& promise, const Ray& ray, const truth::Answer& truth, const HitBuffer& got,
+                     Query query, double size) {
   double largest = 0;
   for (std::size_t k = 0; k < got.l.size(); ++k) {
-    double error = error_of(promise, got.l[k], truth.hits[k], lever);
+    double error = promise.share(got.l[k], truth.hits[k], ray, size);
     for (std::size_t j = 0; query == Query::any && j < truth.hits.size(); ++j)
-      error = std::min(error, error_of(promise, got.l[k], truth.hits[j], lever));
+      error = std::min(error, promise.share(got.l[k], truth.hits[j], ray, size));
     // An error that is no number is the worst.
     if (!(error <= largest)) largest = error;
   }
@@ -141,12 +125,9 @@ Finding judge_answer(const Promise& promise, const Ray& ray, const truth::Answer
   const std::size_t wanted =
       query == Query::all ? truth.hits.size() : std::min<std::size_t>(1, truth.hits.size());
   if (got.l.size() != wanted) return miscount(ray, truth, got, size);
-  const double error = largest_error(promise, truth, got, query, size / norm(ray.d));
+  const double error = largest_error(promise, ray, truth, got, query, size);
   if (!(error <= 1)) {
-    return {Fault::error,
-            fmt::format("l is off by {:.3g} {}", error * promise.bound,
-                        promise.in_ulps ? "ulps" : "condition units"),
-            error};
+    return {Fault::error, fmt::format("l is off by {:.3g} {}", error * promise.bound, promise.unit()), error};
   }
   for (std::size_t k = 0; k < wanted && query != Query::any; ++k) {
     const std::uint32_t claimed = got.multiplicity[k], true_one = truth.hits[k].multiplicity;
@@ -240,7 +221,7 @@ class Target {
         truth_(truth::make_surface(spec)),
         totals_(&totals) {
     for (const Promise& promise : kPromises) {
-      const SolverEntry* const solver = solver_named(promise.solver);
+      const SolverEntry* const solver = solver_named(promise.solver);  // the build may lack it
       if (solver == nullptr || all_pairings(*solver, find_surface(spec.type)).empty()) continue;
       contenders_.push_back({promise, scene_of(spec, *solver), {}, {}});
     }

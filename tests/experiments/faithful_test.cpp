@@ -5,35 +5,18 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include <graze/experiments/cases.hpp>
 #include <graze/experiments/truth.hpp>
-#include <graze/solvers/math/scaling.hpp>
 #include <surfaces/cells.hpp>
+
+#include "family_rays.hpp"
 
 namespace graze::test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261122;
-
-/// Rays a family; a long run takes them from the environment.
-std::size_t rays_a_family() {
-  const char* const wanted = std::getenv("GRAZE_RAYS");
-  return wanted != nullptr ? std::strtoul(wanted, nullptr, 10) : kSanitized ? 20 : 100;
-}
-
-/// Rays of the surface's own scale.
-std::vector<Ray> rays_of(const CaseFamily& family, const AnySurface& surface, std::size_t count) {
-  std::vector<Ray> rays;
-  for (std::size_t block = 0; rays.size() < count; ++block) {
-    if (block_scale(family, kSeed, block) != 1) continue;
-    const std::size_t wanted = std::min(kCaseBlock, count - rays.size());
-    for (const CaseRay& ray : make_block(family, surface, kSeed, block, wanted)) rays.push_back(ray.ray);
-  }
-  return rays;
-}
 
 /// More surfaces than the contract's examples: leading coefficients that vanish, singular points, odd
 /// degrees.
@@ -57,23 +40,22 @@ bool prefers_a_polynomial(const SurfaceEntry& surface) {
 
 struct Question {
   const SurfaceEntry* surface;
-  std::string solver;
-  double ulps;   ///< that l may be off the truth
-  double units;  ///< or condition units, eps (|l| + L/|n.d|)
+  Promise promise;
 };
 
 std::vector<Question> questions() {
   std::vector<Question> all;
   for (const SurfaceEntry& surface : surface_registry()) {
     if (!prefers_a_polynomial(surface)) continue;
-    if (solver_named("faithful") != nullptr) all.push_back({&surface, "faithful", 1, 0});
-    if (solver_named("certified") != nullptr) all.push_back({&surface, "certified", 0, 4});
+    for (const Promise& promise : kPromises) {
+      if (solver_named(promise.solver) != nullptr) all.push_back({&surface, promise});
+    }
   }
   return all;
 }
 
 void PrintTo(const Question& question, std::ostream* out) {
-  *out << question.surface->name << " " << question.solver;
+  *out << question.surface->name << " " << question.promise.solver;
 }
 
 std::string as_text(const Ray& ray) {
@@ -83,26 +65,19 @@ std::string as_text(const Ray& ray) {
   return text.data();
 }
 
-class EveryFamily : public testing::TestWithParam<Question> {
- protected:
-  /// The error of l as a share of what is allowed.
-  static double share(double l, const truth::Hit& hit, const Ray& ray, double size) {
-    const double error = std::fabs((l - hit.l.head) - hit.l.tail);
-    const double unit = 0x1p-52 * (std::fabs(hit.l.head) + size / norm(ray.d) / hit.cosine);
-    const Question& question = GetParam();
-    return error / (question.units == 0 ? question.ulps * ulp(hit.l.head) : question.units * unit);
-  }
-};
+class EveryFamily : public testing::TestWithParam<Question> {};
 
 TEST_P(EveryFamily, GivesEveryHitWithItsMultiplicityAndPlace) {
   const SurfaceEntry& entry = *GetParam().surface;
+  const Promise& promise = GetParam().promise;
+  const std::size_t count = rays_a_family(100, 20);
   for (const SurfaceSpec& spec : specs_of(entry.name)) {
     const auto surface = entry.make(spec);
     const auto truth = truth::make_surface(spec);
-    const Scene scene = scene_of(spec, find_solver(GetParam().solver));
+    const Scene scene = scene_of(spec, find_solver(promise.solver));
     for (const CaseFamily& family : case_families()) {
       if (family.name == "scale" || !family.suits(surface->landmarks())) continue;
-      const std::vector<Ray> rays = rays_of(family, *surface, rays_a_family());
+      const std::vector<Ray> rays = rays_of(family, *surface, kSeed, count);
       const std::vector<Answer> answers = ask(scene, rays);
       double worst = 0;
       for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -113,19 +88,19 @@ TEST_P(EveryFamily, GivesEveryHitWithItsMultiplicityAndPlace) {
         for (std::size_t k = 0; k < expected.hits.size(); ++k) {
           const truth::Hit& hit = expected.hits[k];
           EXPECT_EQ(answers[i].multiplicity[k], hit.multiplicity) << where;
-          const double part = share(answers[i].l[k], hit, rays[i], surface->size());
+          const double part = promise.share(answers[i].l[k], hit, rays[i], surface->size());
           EXPECT_LE(part, 1) << where;
           worst = std::max(worst, part);
         }
       }
       std::printf("%s %s %-10s %zu rays: worst %.3f of what is allowed\n", std::string(entry.name).c_str(),
-                  GetParam().solver.c_str(), std::string(family.name).c_str(), rays.size(), worst);
+                  std::string(promise.solver).c_str(), std::string(family.name).c_str(), rays.size(), worst);
     }
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryFamily, testing::ValuesIn(questions()), [](const auto& question) {
-  return std::string(question.param.surface->name) + "_" + question.param.solver;
+  return std::string(question.param.surface->name) + "_" + std::string(question.param.promise.solver);
 });
 
 }  // namespace

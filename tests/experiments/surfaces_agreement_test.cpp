@@ -17,20 +17,15 @@
 #include <graze/experiments/truth.hpp>
 #include <surfaces/cells.hpp>
 
+#include "family_rays.hpp"
 #include "truth_blocks.hpp"
 
 namespace graze::test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20261122;
-constexpr std::size_t kRays = kSanitized ? 100 : 200;
 /// Rays that are shown of each cell that is wrong: enough to see a pattern.
 constexpr std::size_t kShown = 2;
-
-std::size_t rays_asked() {
-  const char* const text = std::getenv("GRAZE_RAYS");
-  return text == nullptr ? kRays : static_cast<std::size_t>(std::strtoull(text, nullptr, 10));
-}
 
 struct Tally {
   std::size_t right = 0, uncertain = 0, failed = 0;
@@ -139,8 +134,8 @@ class EverySurface : public testing::TestWithParam<const SurfaceEntry*> {
     std::vector<Tally> tallies(best.size());
     Tally lost;
     // Block by block, so that memory does not grow with the rays.
-    for (std::size_t number = 0; number * kCaseBlock < rays_asked(); ++number) {
-      const std::size_t count = std::min(kCaseBlock, rays_asked() - number * kCaseBlock);
+    for (std::size_t number = 0; number * kCaseBlock < rays_a_family(200, 100); ++number) {
+      const std::size_t count = std::min(kCaseBlock, rays_a_family(200, 100) - number * kCaseBlock);
       const Block block = make_truths(family, spec, kSeed, number, count);
       for (std::size_t i = 0; i < best.size(); ++i) judge_block(block, best[i], true, tallies[i]);
       if (textbook) judge_block(block, *textbook, false, lost);

@@ -361,9 +361,8 @@ TEST_F(Bracketed, HardPublishedPolynomialsAreRightButForClustersThatRoundingHide
       const std::size_t right = count_right(hard, roots, 4);
       // Between these roots |p| is no more than 4 u sum |c_i x^i|: they come as one with the multiplicity of
       // all, by the rule that all polynomial methods share.
-      const bool hidden = hard.origin.rfind("cluster 1 +- 2^-26", 0) == 0 ||
-                          hard.origin.rfind("cluster 1, 1 +- 2^-16", 0) == 0 ||
-                          hard.origin.rfind("Wilkinson 1963, degree 20", 0) == 0;
+      const bool hidden = is_one_of(
+          hard.origin, {"cluster 1 +- 2^-26", "cluster 1, 1 +- 2^-16", "Wilkinson 1963, degree 20"});
       if (!hidden) {
         EXPECT_EQ(right, hard.roots.size()) << hard.origin << " " << method;
       }

@@ -97,9 +97,8 @@ TYPED_TEST(FromStarts, HardPublishedPolynomialsAreRightButForThoseNamed) {
     const std::size_t right = count_right(hard, roots, 8);
     // Roots that rounding hides: between them |p| is noise, and they come as one with the multiplicity of
     // all.
-    const bool hidden = hard.origin.rfind("cluster 1 +- 2^-26", 0) == 0 ||
-                        hard.origin.rfind("cluster 1, 1 +- 2^-16", 0) == 0 ||
-                        hard.origin.rfind("Wilkinson 1963, degree 20", 0) == 0 ||
+    const bool hidden = is_one_of(hard.origin, {"cluster 1 +- 2^-26", "cluster 1, 1 +- 2^-16",
+                                                "Wilkinson 1963, degree 20"}) ||
                         hard.origin.find("quartic of near roots") != std::string::npos;
     if (!hidden) {
       EXPECT_EQ(right, hard.roots.size()) << hard.origin;

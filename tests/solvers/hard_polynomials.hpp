@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -45,6 +46,12 @@ inline std::vector<std::string> quoted_after(const std::string& line, const std:
     open = close;
   }
   return strings;
+}
+
+/// Whether the origin begins like one of those.
+inline bool is_one_of(const std::string& origin, const std::vector<std::string>& beginnings) {
+  return std::any_of(beginnings.begin(), beginnings.end(),
+                     [&](const std::string& beginning) { return origin.rfind(beginning, 0) == 0; });
 }
 
 inline std::vector<HardPolynomial> hard_polynomials() {

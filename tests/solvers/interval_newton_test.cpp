@@ -164,15 +164,11 @@ TEST(IntervalNewton, HardPublishedPolynomialsAreRightOrUncertain) {
       }
       // Here f at the roots is rounding over more than the epsilon, and the ends of the image have no sign;
       // or the interval is so long that 2^-24 of it holds several roots.
-      const bool may_be_uncertain = hard.c.size() > 12 || hard.origin.rfind("Boost.Math issue 7", 0) == 0 ||
-                                    hard.origin.rfind("Boost.Math issue 1055", 0) == 0 ||
-                                    hard.origin.rfind("cluster 1 +- 2^-26", 0) == 0 ||
-                                    hard.origin.rfind("cluster 1, 1 +- 2^-1", 0) == 0 ||
-                                    hard.origin.rfind("cyCodeBase issue 24", 0) == 0 ||
-                                    hard.origin.rfind("Wilkinson, degree 10", 0) == 0 ||
-                                    hard.origin.rfind("in the manner of Orellana", 0) == 0 ||
-                                    hard.origin.rfind("multiple roots", 0) == 0 ||
-                                    hard.origin.rfind("Flocke", 0) == 0;
+      const bool may_be_uncertain =
+          hard.c.size() > 12 ||
+          is_one_of(hard.origin, {"Boost.Math issue 7", "Boost.Math issue 1055", "cluster 1 +- 2^-26",
+                                  "cluster 1, 1 +- 2^-1", "cyCodeBase issue 24", "Wilkinson, degree 10",
+                                  "in the manner of Orellana", "multiple roots", "Flocke"});
       if (roots.status == Status::ok) {
         EXPECT_EQ(roots.list.size(), hard.roots.size()) << hard.origin << " " << name;
       } else {

@@ -56,11 +56,6 @@ inline std::size_t multiplicities(const Roots& roots) {
   return sum;
 }
 
-inline bool is_one_of(const std::string& origin, const std::vector<std::string>& beginnings) {
-  return std::any_of(beginnings.begin(), beginnings.end(),
-                     [&](const std::string& b) { return origin.compare(0, b.size(), b) == 0; });
-}
-
 inline std::vector<double> random_coefficients(Rng& rng, int degree, double lo = -1) {
   std::vector<double> c;
   for (int k = 0; k <= degree; ++k) c.push_back(rng.uniform(lo, 1));

@@ -184,13 +184,11 @@ TEST(SphereTracing, HardPublishedPolynomialsAreRightOrUncertain) {
       EXPECT_EQ(std::count_if(hard.roots.begin(), hard.roots.end(), inside), 1) << hard.origin;
     }
     // Here f is rounding over more than the grazing epsilon, or 2^-24 of the interval holds several roots.
-    const bool may_be_uncertain = hard.c.size() > 12 || hard.origin.rfind("Boost.Math issue 7", 0) == 0 ||
-                                  hard.origin.rfind("cluster 1 +- 2^-26", 0) == 0 ||
-                                  hard.origin.rfind("cluster 1, 1 +- 2^-16", 0) == 0 ||
-                                  hard.origin.rfind("cyCodeBase issue 24", 0) == 0 ||
-                                  hard.origin.rfind("in the manner of Orellana", 0) == 0 ||
-                                  hard.origin.rfind("multiple roots", 0) == 0 ||
-                                  hard.origin.rfind("Flocke", 0) == 0;
+    const bool may_be_uncertain =
+        hard.c.size() > 12 ||
+        is_one_of(hard.origin,
+                  {"Boost.Math issue 7", "cluster 1 +- 2^-26", "cluster 1, 1 +- 2^-16", "cyCodeBase issue 24",
+                   "in the manner of Orellana", "multiple roots", "Flocke"});
     if (roots.status == Status::ok) {
       EXPECT_EQ(roots.list.size(), hard.roots.size()) << hard.origin;
     } else {
