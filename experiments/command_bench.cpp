@@ -181,7 +181,7 @@ nlohmann::ordered_json operations_json(const std::optional<OperationTotals>& ope
           {"rays", operations->rays}};
 }
 
-/// The rays by the highest tier that each needed; none for solvers without tiers.
+/// The rays by the highest tier that each needed.
 std::vector<TierLine> rays_by_tier(const Scene& scene, std::span<const Ray> rays, Query query) {
   Scene::Workspace work;
   HitBuffer hits;
@@ -306,11 +306,13 @@ void bench_family(const BenchOptions& options, const SurfaceSpec& spec, std::spa
     Line line;
     line.solver = solver.options_text.empty() ? solver.name : solver.name + ":" + solver.options_text;
     const std::size_t formulation = scenes.back().pairing(0).formulation;
-    const SurfaceEntry seen = seen_by(find_solver_or_peer(solver.name), find_surface(spec.type), query);
+    const SolverEntry& entry = find_solver_or_peer(solver.name);
+    const SurfaceEntry seen = seen_by(entry, find_surface(spec.type), query);
     line.formulation = std::string(seen.formulations[formulation].name);
     line.score = score(scenes.back(), std::span(rays).first(truths.size()), query, truths,
                        {options.match_radius, surface->size()});
-    line.tiers = rays_by_tier(scenes.back(), rays, query);
+    // Ladders are certified; other solvers have no tiers, and all rays are many for the slow ones.
+    if (entry.info.claims.certified) line.tiers = rays_by_tier(scenes.back(), rays, query);
     line.operations = count_operations(spec, options.formulation, solver,
                                        std::span(rays).first(std::min(kCountedRays, rays.size())), query);
     lines.push_back(std::move(line));
