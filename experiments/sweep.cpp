@@ -146,13 +146,21 @@ std::size_t rays_in_block(std::size_t rays, std::size_t block) {
   return std::min(kCaseBlock, rays - block * kCaseBlock);
 }
 
+/// The cells of a solver with a surface: one for each formulation that it takes, or for the one it prefers.
+std::vector<Pairing> pairings_of(const SweepConfig& config, const SolverEntry& solver,
+                                 const SurfaceEntry& surface, Precision precision) {
+  const std::vector<Pairing> pairings = all_pairings(solver, surface, precision);
+  if (config.all_formulations || pairings.empty()) return pairings;
+  return {pair_up(solver, surface, {}, precision)};
+}
+
 std::vector<Cell> make_cells(const SweepConfig& config, Store& store, Subject& subject) {
   const SurfaceEntry& surface = find_surface(subject.spec.type);
   std::vector<Cell> cells;
   for (const SolverSpec& solver : config.solvers) {
     const SolverEntry& entry = find_solver(solver.name);
     for (const Precision precision : config.precisions) {
-      const std::vector<Pairing> pairings = all_pairings(entry, surface, precision);
+      const std::vector<Pairing> pairings = pairings_of(config, entry, surface, precision);
       for (const Pairing& pairing : pairings) {
         const FormulationInfo& formulation = surface.formulations[pairing.formulation];
         Cell cell;
@@ -170,7 +178,9 @@ std::vector<Cell> make_cells(const SweepConfig& config, Store& store, Subject& s
         if (taken) continue;
         store.skip(fmt::format("{} / {} / {} / {}", subject.label, surface.formulations[i].name, solver.name,
                                to_string(precision)),
-                   "the solver takes no form that this formulation offers in this precision");
+                   config.all_formulations || pairings.empty()
+                       ? "the solver takes no form that this formulation offers in this precision"
+                       : "preferred formulations only");
       }
     }
   }
@@ -540,6 +550,12 @@ SweepConfig read_sweep_config(const std::string& path) {
   for (const auto& word : fields.words("solvers")) {
     config.solvers.push_back(at_its_place(word, path, "solvers", parse_solver));
   }
+  const std::string formulations = fields.word("formulations", "all");
+  if (formulations != "all" && formulations != "preferred") {
+    throw UsageError(where(*root.get("formulations"), path, "formulations") +
+                     "must be \"all\" or \"preferred\"");
+  }
+  config.all_formulations = formulations == "all";
   const auto precisions = fields.words("precision");
   if (!precisions.empty()) config.precisions.clear();
   for (const auto& [name, node] : precisions) {

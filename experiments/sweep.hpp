@@ -20,7 +20,8 @@ struct SweepConfig {
   std::size_t sample_every =
       100;  ///< beyond it, one record in this many is kept besides the wrong and the worst
   std::vector<SurfaceSpec> surfaces;
-  std::vector<SolverSpec> solvers;  ///< each in every formulation it takes, unless it names one
+  std::vector<SolverSpec> solvers;
+  bool all_formulations = true;  ///< a cell for each that a solver takes; else for the one it prefers
   std::vector<Precision> precisions{Precision::binary64};
   std::vector<std::string> cases;  ///< empty: every family that suits the surface
   int timing_repeats = 7;

@@ -610,6 +610,21 @@ class Float(ProgramTest):
             broken = self.write("bad.toml", text.replace("rays = 50", f"rays = 50\n{bad}", 1))
             self.refused(2, (":5:", "'precision'", word), "sweep", broken, "--out", str(self.folder / "never"))
 
+    def test_a_sweep_takes_preferred_formulations_only(self):
+        text = EXPERIMENT.format(rays=50, solvers='"companion", "interval_bisection"', repeats=0)
+        preferred = self.write("preferred.toml", text.replace("rays = 50", 'rays = 50\nformulations = "preferred"', 1))
+        out = self.folder / "out"
+        self.done("sweep", preferred, "--out", str(out))
+        cells = [(row[1], row[4], row[2]) for row in rows(out, "cell")]
+        self.assertEqual(len(cells), len({(surface, solver) for surface, solver, _ in cells}), "one a solver and surface")
+        self.assertEqual({solver for _, solver, _ in cells}, {"companion", "interval_bisection"})
+        self.assertTrue(any("preferred" in row[1] for row in rows(out, "skipped")))
+        # The others come when they are asked for.
+        self.done("sweep", self.write("all.toml", text), "--out", str(out))
+        self.assertGreater(len(rows(out, "cell")), len(cells))
+        broken = self.write("bad.toml", text.replace("rays = 50", 'rays = 50\nformulations = "best"', 1))
+        self.refused(2, (":5:", "'formulations'", "preferred"), "sweep", broken, "--out", str(self.folder / "never"))
+
 
 class RootFinders(ProgramTest):
     # Coefficients (ascending), interval, roots, and whether they are simple.
