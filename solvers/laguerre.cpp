@@ -110,12 +110,17 @@ std::span<T> deflate(std::span<T> c, Complex<T> z) {
   return c.first(n - 1);
 }
 
-/// Is the real part a root by itself? The rule of power_basis.
+/// Is the real part a root by itself, by the rule of power_basis, and a simple one of what is left? By the
+/// parabola there, a change of q by its tolerance does not make it two: q'^2 > 2 |q''| times it.
 template <class T>
-bool counts_as_real(const Problem<T>& problem, Complex<T> z, Counters& counters) {
+bool is_simple_real(const Problem<T>& problem, Coefficients<T> left, Complex<T> z, Counters& counters) {
   if (z.imag() == 0) return true;
   ++counters.evaluations;
-  return std::fabs(power_basis::evaluate(problem.c, z.real()).value) <= problem.tolerance(z.real());
+  const T x = z.real();
+  if (!(std::fabs(power_basis::evaluate(problem.c, x).value) <= problem.tolerance(x))) return false;
+  const auto q = complex_roots::evaluate_scaled<true>(left, Complex<T>{x, 0});
+  const T slope = q.derivative.real(), bend = q.second.real();
+  return slope * slope > 2 * std::fabs(bend) * static_cast<T>(power_basis::kBackward) * q.error;
 }
 
 /// Root after root: found on what is left, polished on p, divided off with its conjugate; false: budget.
@@ -131,11 +136,13 @@ bool find_all(const Problem<T>& problem, bool polish, std::span<T> left, Roots& 
         fine && magnitude(*fine - *rough) <= std::sqrt(std::sqrt(power_basis::kU<T>)) * magnitude(*rough);
     Complex<T> z = is_near ? *fine : *rough;
     if (left.size() == 2) z = z.real();
-    if (left.size() == 2 || counts_as_real(problem, z, found.counters)) {
+    if (left.size() == 2 || is_simple_real<T>(problem, left, z, found.counters)) {
       const T x = polish ? power_basis::polished(problem, z.real(), found.counters) : z.real();
       add_if_real(problem, Complex<T>{x, 0}, false, found);
       left = deflate(left, x);
     } else {
+      // A pair: no root, or a touching one.
+      add_if_real(problem, Complex<T>{z.real(), std::fabs(z.imag())}, false, found);
       left = deflate(left, z);
     }
   }

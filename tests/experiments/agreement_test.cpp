@@ -400,7 +400,7 @@ std::vector<HardPolynomial> hard_polynomials() {
 
 TEST(HardPolynomials, TruthGivesTheStoredRoots) {
   const auto all = hard_polynomials();
-  EXPECT_GE(all.size(), 35U);
+  EXPECT_GE(all.size(), 80U);
   for (const HardPolynomial& p : all) {
     const truth::PolynomialAnswer answer = truth::real_roots(p.c, std::nullopt, {.digits = 40});
     EXPECT_EQ(answer.status, Status::ok) << p.origin;
@@ -412,6 +412,7 @@ TEST(HardPolynomials, TruthGivesTheStoredRoots) {
 
 TEST(HardPolynomials, TruthSaysNoRootMoreAndNoneLessOnEitherSideOfARoot) {
   for (const HardPolynomial& p : hard_polynomials()) {
+    if (p.roots.empty()) continue;
     const double first = Decimal(p.roots.front()).convert_to<double>();
     const double last = Decimal(p.roots.back()).convert_to<double>();
     const auto inside =

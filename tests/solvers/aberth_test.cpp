@@ -10,14 +10,7 @@ namespace {
 using complex_cases::solve;
 
 TEST(Aberth, PublishedHardCasesAreRightOrTheirRootsCannotBeToldApartInDouble) {
-  complex_cases::expect_hard_cases<Aberth>({
-      {"Wilkinson 1963, degree 20", 15,
-       "from 8 to 20 roots drown in the rounding of p: some are listed as pairs"},
-      {"cluster 1 +- 2^-26", 1, "|p| between the two is below its rounding: one root of multiplicity 2"},
-      {"cluster 1, 1 +- 2^-16", 1, "the same for three"},
-      {"Flocke, Algorithm 954 (2015), cubic of roots -1, 1e14", 2,
-       "its two roots near 1e14 are nearer than rounding tells"},
-  });
+  complex_cases::expect_hard_cases<Aberth>({});
 }
 
 TEST(Aberth, EveryRootItListsIsARootOfANearbyPolynomial) {
@@ -34,6 +27,7 @@ TEST(Aberth, TheDiscOfEverySimpleRootHoldsIt) {
     const Roots roots = solve<Aberth>(hard.c);
     if (roots.list.size() != hard.roots.size()) continue;
     for (std::size_t i = 0; i < hard.roots.size(); ++i) {
+      if (roots.list[i].multiplicity > 1) continue;
       const long double error = std::fabs(static_cast<long double>(roots.list[i].x) - hard.wide_roots[i]);
       EXPECT_LE(error, static_cast<long double>(roots.list[i].radius)) << hard.origin << " " << i;
       ++held;

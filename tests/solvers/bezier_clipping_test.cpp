@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include <graze/solvers/bezier_clipping.hpp>
+#include <graze/solvers/power_basis.hpp>
 
 #include "solvers/realroots_testing.hpp"
 
@@ -37,10 +38,10 @@ TEST(BezierClipping, RefusingClipsLeavesBisection) {
 }
 
 TEST(BezierClipping, PublishedHardInputsAreSolvedToTheirCondition) {
-  const std::vector<std::string> merged{"Wilkinson 1963, degree 20", "cluster 1 +- 2^-26",
-                                        "cluster 1, 1 +- 2^-16",
-                                        "in the manner of Orellana, De Michele 2020: quartic of near roots",
-                                        "Flocke, Algorithm 954 (2015), cubic of roots -1, 1e14"};
+  // Roots nearer than the rounding of p lets the method see, beside those that are hidden from all.
+  const std::vector<std::string> merged{"Orellana, De Michele 2020, Algorithm 1010, case 2,",
+                                        "Orellana, De Michele 2020, Algorithm 1010, case 17",
+                                        "Zeng 2004, TOMS 30(2), after Uhlig: (x+1)^6"};
   const auto all = hard_polynomials();
   ASSERT_GE(all.size(), 21U);
   for (const HardPolynomial& p : all) {
@@ -49,7 +50,8 @@ TEST(BezierClipping, PublishedHardInputsAreSolvedToTheirCondition) {
     std::printf("%-70.70s %zu roots, %.3g condition units, %u pieces\n", p.origin.c_str(), roots.list.size(),
                 error, roots.counters.iterations);
     EXPECT_EQ(roots.status, Status::ok) << p.origin;
-    if (is_one_of(p.origin, merged)) continue;
+    if (is_hidden(p)) expect_nearby_roots(p, roots, power_basis::kBackward);
+    if (is_hidden(p) || is_one_of(p.origin, merged)) continue;
     EXPECT_LE(error, 1) << p.origin;
   }
 }

@@ -181,10 +181,14 @@ TEST(ClosedForm, TheHardPolynomialsOfDegreeUpToFourAreRight) {
       EXPECT_NEAR(roots.list[1].x / 1e14, 1, 0x1p-20);
       continue;
     }
+    if (is_hidden(hard)) {
+      expect_nearby_roots(hard, roots, power_basis::kBackward);
+      continue;
+    }
     EXPECT_EQ(roots.list.size(), hard.roots.size()) << hard.origin;
     EXPECT_EQ(count_right(hard, roots, 4), hard.roots.size()) << hard.origin;
   }
-  EXPECT_GE(asked, 16U);
+  EXPECT_GE(asked, 50U);
   EXPECT_EQ(excused, 2U);
 }
 

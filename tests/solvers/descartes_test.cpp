@@ -146,12 +146,19 @@ TEST(Descartes, PowersOfTwoScaleTheRootsExactly) {
 
 TEST(Descartes, PublishedHardInputsAreCertifiedOrLeftOpen) {
   // Where rounding hides the signs between neighbours, or of a multiple root: said so.
-  const std::vector<std::string> open{"Wilkinson 1963, degree 20",
-                                      "cluster 1 +- 2^-26",
-                                      "cyCodeBase issue 24",
-                                      "multiple roots in the manner of Zeng",
-                                      "Flocke, Algorithm 954 (2015), cubic of roots 1, 1.000001",
-                                      "Flocke, Algorithm 954 (2015), cubic of roots -1, 1e14"};
+  const std::vector<std::string> open{
+      "Wilkinson 1963, degree 20", "cluster 1 +- 2^-26", "cyCodeBase issue 24",
+      "multiple roots in the manner of Zeng", "Flocke, Algorithm 954 (2015), cubic of roots 1, 1.000001",
+      "Flocke, Algorithm 954 (2015), cubic of roots -1, 1e14", "Jenkins, Traub 1975, TOMS 1(1), p4",
+      "Jenkins, Traub 1975, TOMS 1(1), p5", "Jenkins, Traub 1975, TOMS 1(1), p6",
+      "Jenkins, Traub 1975, TOMS 1(1), p7", "Jenkins, Traub 1975, TOMS 1(1), p8",
+      "Orellana, De Michele 2020, Algorithm 1010, case 14",
+      "Orellana, De Michele 2020, Algorithm 1010, case 15",
+      "Orellana, De Michele 2020, Algorithm 1010, case 20",
+      "Orellana, De Michele 2020, Algorithm 1010, case 21", "Zeng 2004, TOMS 30(2), after Uhlig",
+      // sums of terms that leave the doubles
+      "Orellana, De Michele 2020, Algorithm 1010, case 22",
+      "Flocke, Algorithm 954 (2015), quartic of roots 1e80"};
   const auto all = hard_polynomials();
   ASSERT_GE(all.size(), 21U);
   for (const HardPolynomial& p : all) {

@@ -16,12 +16,8 @@ Parameters polish(bool on) {
 
 TEST(Laguerre, PublishedHardCasesAreRightOrTheirRootsCannotBeToldApartInDouble) {
   complex_cases::expect_hard_cases<Laguerre>({
-      {"Wilkinson 1963, degree 20", 15, "from 8 to 20 roots drown in the rounding of p"},
-      {"cluster 1 +- 2^-26", 1, "|p| between the two is below its rounding: one root of multiplicity 2"},
-      {"cluster 1, 1 +- 2^-16", 1, "the same for three"},
-      {"Flocke, Algorithm 954 (2015), cubic of roots -1, 1e14", 2,
-       "its two roots near 1e14 are nearer than rounding tells"},
-      {"multiple roots in the manner of Zeng", 5, "rounding parts the root of multiplicity 4"},
+      {"Jenkins, Traub 1975, TOMS 1(1), p5", 4, "rounding parts the roots of multiplicity 4 and 3"},
+      {"Zeng 2004, TOMS 30(2), after Uhlig: (x+1)^6", 3, "rounding parts the root of multiplicity 6"},
   });
 }
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include <graze/solvers/monotone.hpp>
+#include <graze/solvers/power_basis.hpp>
 
 #include "solvers/realroots_testing.hpp"
 
@@ -125,6 +126,10 @@ TEST(Monotone, PublishedHardInputsAreSolvedToTheirCondition) {
     EXPECT_EQ(roots.status, Status::ok) << p.origin;
     if (is_one_of(p.origin, merged)) {
       EXPECT_EQ(multiplicities(roots), p.roots.size()) << p.origin;
+      continue;
+    }
+    if (is_hidden(p)) {
+      expect_nearby_roots(p, roots, power_basis::kBackward);
       continue;
     }
     EXPECT_LE(error, 1) << p.origin;
