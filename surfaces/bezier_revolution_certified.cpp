@@ -435,17 +435,16 @@ bool BezierRevolutionCertified::add_double_doubles(const Ray& ray, bool all, Hit
   return true;
 }
 
-/// The rays that doubles leave. Every question has an answer, but for a ray inside the surface and an l out
-/// of the range of double.
+/// The rays that doubles leave. Every question has an answer, but for an l out of the range of double.
 void BezierRevolutionCertified::decide(const Ray& ray, bool all, KernelAnswers& answers,
                                        std::size_t at) const {
   HitsOfRay fast(answers, at);
   if (add_double_doubles(ray, all, fast)) return fast.close(2);
   ExactBezierRevolution::Hits found = exact_->hits(ray);
-  if (!found) return;
   HitsOfRay hits(answers, at);
+  if (!found) return hits.close_coincident(3);
   for (ExactBezierHit& hit : *found) {
-    if (!hits.add(hit.l.to_double(), std::min(hit.multiplicity, 2U))) return;
+    if (!hits.add(hit.l.to_double(), hit.multiplicity)) return;
     if (!all) break;
   }
   hits.close(3);

@@ -4,8 +4,9 @@
 // needs     finite rays; degree at most 16. Doubles: degree at most 8, heights within twice the size of 0,
 //           Y not constant; double-doubles: rays that climb; the rest and what these leave are for exact
 //           integers
-// returns   by ray: the proved number of hits and their l; open (-1): what is no question, rays that run
-//           inside the surface, higher degrees, an l out of the range of double
+// returns   by ray: the proved number of hits and their l, with multiplicities; coincident where it runs
+//           inside the surface; open (-1): what is no question, higher degrees, an l out of the range of
+//           double
 // error     of l: measured, at most 4 condition units, eps (|l| + L/|n.d|); proof of the count and error
 //           analysis: surfaces/bezier_revolution.md, "Kernel"
 // cost      surfaces/bezier_revolution.md; allocates when it is built, and in the exact tier

@@ -181,6 +181,7 @@ bool Intersector::serves(const SurfaceEntry& surface, const SolverEntry& solver,
 void Intersector::intersect(std::span<const Ray> rays, std::span<const Task> tasks, bool all,
                             Workspace& work) const {
   work.kernel_hits.clear();
+  work.coincident.clear();
   if (kernel_ == nullptr) return solve_tasks(rays, tasks, work);
   run_kernel(rays, tasks, all, work);
   solve_tasks(rays, work.open, work);
@@ -194,6 +195,7 @@ void Intersector::run_kernel(std::span<const Ray> rays, std::span<const Task> ta
   work.open.clear();
   for (std::uint32_t i = 0; i < tasks.size(); ++i) {
     if (work.kernel.hits[i] == KernelAnswers::kOpen) work.open.push_back(tasks[i]);
+    if (work.kernel.hits[i] == KernelAnswers::kCoincident) work.coincident.push_back(tasks[i]);
     for (int k = 0; k < work.kernel.hits[i]; ++k) {
       work.kernel_hits.push_back(
           {i, work.kernel.multiplicity(i, k), work.kernel.l[static_cast<std::size_t>(k)][i]});
@@ -372,6 +374,7 @@ void Scene::complete_answers(const KernelAnswers& answers, std::span<const Ray> 
   std::vector<Task>& open = work.block.open;
   open.clear();
   for (std::uint32_t i = 0; i < rays.size(); ++i) {
+    if (answers.hits[i] == KernelAnswers::kCoincident) work.status[i] = Status::coincident;
     if (answers.hits[i] != KernelAnswers::kOpen) continue;
     if (is_valid(rays[i])) {
       open.push_back({i, 0});
@@ -380,6 +383,7 @@ void Scene::complete_answers(const KernelAnswers& answers, std::span<const Ray> 
     }
   }
   work.block.kernel_hits.clear();
+  work.block.coincident.clear();
   for (std::size_t i = 0; i < open.size(); i += kBlock) {
     const std::span<const Task> tasks = std::span(open).subspan(i, std::min(kBlock, open.size() - i));
     intersectors_.front().solve_tasks(rays, tasks, work.block);
@@ -518,9 +522,16 @@ void Scene::collect(std::size_t index, std::span<const Task> tasks, Workspace& w
       continue;
     }
     const LocalRay& local = block.local[hit.ray];
-    const DoubleDouble l = two_sum(local.centre, hit.delta);
-    add(scale_by_power(hit.tail == 0 ? l.hi : l.hi + (l.lo + hit.tail), local.l_exponent), task, hit);
+    const DoubleDouble wide = two_sum(local.centre, hit.delta);
+    const double own = hit.tail == 0 ? wide.hi : wide.hi + (wide.lo + hit.tail);
+    const double l = scale_by_power(own, local.l_exponent);
+    // A hit whose l is no double is not reported, nor passed over.
+    if (own > 0 && std::isfinite(own) && (l == 0 || std::isinf(l)))
+      work.status[task.ray] = worse(work.status[task.ray], Status::uncertain);
+    add(l, task, hit);
   }
+  for (const Task& task : block.coincident)
+    work.status[task.ray] = worse(work.status[task.ray], Status::coincident);
   for (const KernelHit& hit : block.kernel_hits)
     add(hit.l, tasks[hit.task], {.multiplicity = hit.multiplicity, .delta = hit.l, .is_world = true});
 }

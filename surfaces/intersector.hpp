@@ -218,7 +218,8 @@ class Intersector::Workspace {
   std::vector<Status> status;      ///< of solved tasks
   std::vector<Counters> counters;  ///< of solved tasks
   KernelAnswers kernel;
-  std::vector<Task> open;  ///< tasks that the kernel left
+  std::vector<Task> open;        ///< tasks that the kernel left
+  std::vector<Task> coincident;  ///< tasks whose rays it proved to run inside their surfaces
 };
 
 class Scene::Workspace {

@@ -7,7 +7,8 @@
 //   Kernel(const Surface&, const Parameters& options);                 // options of the solver
 //   void intersect(std::span<const Ray>, bool all, KernelAnswers&, std::size_t first) const;
 // and one line graze_kernel(...) in the CMake list. It answers what it can prove and leaves the rest to the
-// solver: answers.hits[first + i] is the number of hits of rays[i] (at most one unless `all`), or kOpen.
+// solver: answers.hits[first + i] is the number of hits of rays[i] (at most one unless `all`), or kOpen, or
+// kCoincident.
 // The formulation's unknown is l, so that a hit's place on the surface can be lifted from it.
 #pragma once
 
@@ -19,6 +20,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include <graze/surfaces/hit.hpp>
@@ -32,18 +34,29 @@ struct KernelAnswers {
   static constexpr std::size_t kMost = 4;   ///< hits of a ray that have their places in any batch
   static constexpr std::size_t kMany = 32;  ///< hits of a ray, ever
   static constexpr std::int8_t kOpen = -1;
+  static constexpr std::int8_t kCoincident = -2;  ///< runs inside the surface, which is proved
 
   std::vector<std::int8_t> hits;
   std::array<std::vector<double>, kMany> l;  ///< ascending, in units of |d|; meaningful below `hits`
-  std::vector<std::uint32_t> touching;       ///< bit k: hit k touches (multiplicity 2)
+  std::vector<std::uint32_t> touching;       ///< bit k: hit k has a multiplicity above 1
   std::vector<std::uint8_t> tier;            ///< which arithmetic answered: Counters::tier
 
   [[nodiscard]] std::uint32_t multiplicity(std::size_t ray, int hit) const {
-    return (touching[ray] >> static_cast<unsigned>(hit) & 1U) != 0 ? 2 : 1;
+    if ((touching[ray] >> static_cast<unsigned>(hit) & 1U) == 0) return 1;
+    const auto found = above_two_.find(ray * kMany + static_cast<std::size_t>(hit));
+    return found == above_two_.end() ? 2 : found->second;
+  }
+  /// Of a hit whose bit is set.
+  void set_multiplicity(std::size_t ray, std::size_t hit, std::uint32_t multiplicity) {
+    if (multiplicity > 2) {
+      above_two_[ray * kMany + hit] = multiplicity;
+    } else if (!above_two_.empty()) {
+      above_two_.erase(ray * kMany + hit);
+    }
   }
   /// Of all rays: one pass, so that the ordinary batch, where there is nothing special, is told from others.
   struct Extremes {
-    std::int8_t fewest = 0, most = 0;  ///< hits; fewest < 0: some ray is open
+    std::int8_t fewest = 0, most = 0;  ///< hits; fewest < 0: some ray has no count
     std::uint8_t tier = 1;             ///< the highest
     bool touches = false;
   };
@@ -52,8 +65,12 @@ struct KernelAnswers {
     hits.resize(count);
     touching.assign(count, 0);
     tier.assign(count, 1);
+    above_two_.clear();
     for (std::size_t k = 0; k < kMost; ++k) l[k].resize(count);
   }
+
+ private:
+  std::unordered_map<std::size_t, std::uint32_t> above_two_;  ///< by ray and hit: hardly ever any
 };
 
 /// Appends answers that leave no ray open, as those of surface 0. `first_tier`: as many counters as rays, or
@@ -73,7 +90,10 @@ class HitsOfRay {
     // Two hits are two, also where both round to one double.
     if (count_ > 0 && l <= answers_.l[count_ - 1][at_])
       l = std::nextafter(answers_.l[count_ - 1][at_], std::numeric_limits<double>::infinity());
-    if (multiplicity == 2) touching_ |= std::uint32_t{1} << count_;
+    if (multiplicity > 1) {
+      touching_ |= std::uint32_t{1} << count_;
+      answers_.set_multiplicity(at_, count_, multiplicity);
+    }
     // Few rays of few surfaces have that many: their places are made when the first of them comes.
     std::vector<double>& place = answers_.l[count_++];
     if (place.size() <= at_) place.resize(answers_.hits.size());
@@ -83,6 +103,11 @@ class HitsOfRay {
   void close(std::uint8_t tier) {
     answers_.hits[at_] = static_cast<std::int8_t>(count_);
     answers_.touching[at_] = touching_;
+    answers_.tier[at_] = tier;
+  }
+  /// The ray runs inside the surface.
+  void close_coincident(std::uint8_t tier) {
+    answers_.hits[at_] = KernelAnswers::kCoincident;
     answers_.tier[at_] = tier;
   }
 

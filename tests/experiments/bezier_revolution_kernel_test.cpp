@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include <graze/experiments/cases.hpp>
+#include <graze/experiments/specs.hpp>
 #include <graze/experiments/truth.hpp>
 #include <graze/surfaces/bezier_revolution_certified.hpp>
 #include <surfaces/cells.hpp>
@@ -67,14 +68,16 @@ TEST_P(BezierKernel, NeverWrongNorOpen) {
       const KernelAnswers got = answer(spec, rays, all);
       for (std::size_t i = 0; i < rays.size(); ++i) {
         const truth::Answer right = truth->all(rays[i], {.digits = 17});
-        ASSERT_EQ(got.hits[i] == KernelAnswers::kOpen, right.status != Status::ok) << family.name << " " << i;
+        ASSERT_NE(got.hits[i], KernelAnswers::kOpen) << family.name << " " << i;
+        ASSERT_EQ(got.hits[i] == KernelAnswers::kCoincident, right.status == Status::coincident)
+            << family.name << " " << i;
         if (right.status != Status::ok) continue;
         ++by_tier[got.tier[i]];
         const std::size_t hits = all ? right.hits.size() : std::min<std::size_t>(1, right.hits.size());
         ASSERT_EQ(static_cast<std::size_t>(got.hits[i]), hits) << family.name << " " << i << " all " << all;
         for (std::size_t k = 0; k < hits; ++k) {
           const truth::Hit& hit = right.hits[k];
-          EXPECT_EQ(got.multiplicity(i, static_cast<int>(k)) > 1, hit.tangent) << family.name << " " << i;
+          EXPECT_EQ(got.multiplicity(i, static_cast<int>(k)), hit.multiplicity) << family.name << " " << i;
           worst = std::max(worst, promise.share(got.l[k][i], hit, rays[i], surface.size()));
         }
       }
@@ -144,7 +147,8 @@ TEST(BezierKernelLimits, WhatLanesCannotHandleOthersDecide) {
       const KernelAnswers got = answer(spec, rays, all);
       for (std::size_t i = 0; i < rays.size(); ++i) {
         const truth::Answer right = truth->all(rays[i], {.digits = 17});
-        ASSERT_EQ(got.hits[i] == KernelAnswers::kOpen, right.status != Status::ok)
+        ASSERT_NE(got.hits[i], KernelAnswers::kOpen) << points.size() << " " << i;
+        ASSERT_EQ(got.hits[i] == KernelAnswers::kCoincident, right.status == Status::coincident)
             << points.size() << " " << i;
         if (right.status != Status::ok) continue;
         const std::size_t hits = all ? right.hits.size() : std::min<std::size_t>(1, right.hits.size());
@@ -177,6 +181,68 @@ TEST(BezierKernelLimits, ManyHitsAreAllThere) {
     }
   }
   EXPECT_GT(most, KernelAnswers::kMost);
+}
+
+/// Y turns where R = 2 and Y = 1: a level ray there meets two sheets at once.
+SurfaceSpec arch() { return bezier({{1, 0}, {2, 2}, {3, 0}}); }
+
+/// The answers of a scene, through the kernel's own way (a lone surface) or with others beside it.
+HitBuffer seen(const SurfaceSpec& spec, std::string_view solver, bool is_alone, std::span<const Ray> rays) {
+  Scene scene;
+  scene.add(find_surface(spec.type), spec, find_solver(solver));
+  // Out of reach of the rays.
+  if (!is_alone)
+    scene.add(find_surface("sphere"), parse_surface("sphere:radius=1,center=[0,1000,0]"),
+              find_solver(solver));
+  Scene::Workspace work;
+  HitBuffer hits;
+  scene.intersect(rays, Query::all, {}, work, hits);
+  return hits;
+}
+
+TEST(BezierKernelLimits, MultiplicitiesAboveTwoAreTold) {
+  // A tangent of the circle, one through it, the first again, one past it, one that climbs.
+  const std::vector<Ray> rays{{{-3, 1, 2}, {1, 0, 0}},
+                              {{-3, 1, 0}, {1, 0, 0}},
+                              {{-3, 1, 2}, {1, 0, 0}},
+                              {{-3, 1, 2.5}, {1, 0, 0}},
+                              {{-3, 0.5, 0}, {1, 0.125, 0}}};
+  const auto truth = truth::make_surface(arch());
+  std::uint32_t most = 0;
+  for (const std::string_view solver : {"certified", "faithful"}) {
+    for (const bool is_alone : {true, false}) {
+      const HitBuffer got = seen(arch(), solver, is_alone, rays);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        const truth::Answer right = truth->all(rays[i], {});
+        ASSERT_EQ(got.count(i), right.hits.size()) << solver << " " << i;
+        for (std::size_t k = 0; k < right.hits.size(); ++k) {
+          const std::uint32_t multiplicity = got.multiplicity[got.begin(i) + k];
+          EXPECT_EQ(multiplicity, right.hits[k].multiplicity) << solver << " " << i << " alone " << is_alone;
+          most = std::max(most, multiplicity);
+        }
+      }
+    }
+  }
+  EXPECT_EQ(most, 4U);
+}
+
+TEST(BezierKernelLimits, RaysInsideTheSurfaceAreCoincident) {
+  // Along a ruling of the cone, from outside and from the tip; away from it; past it.
+  const SurfaceSpec cone = bezier({{1, 0}, {0, 2}});
+  const std::vector<Ray> rays{{{1.5, -1, 0}, {-0.5, 1, 0}},
+                              {{0, 2, 0}, {1, -2, 0}},
+                              {{0, 2, 0}, {-1, 2, 0}},
+                              {{1.5, -1, 0x1p-40}, {-0.5, 1, 0}}};
+  const std::array expected{Status::coincident, Status::coincident, Status::ok, Status::ok};
+  for (const std::string_view solver : {"certified", "faithful"}) {
+    for (const bool is_alone : {true, false}) {
+      const HitBuffer got = seen(cone, solver, is_alone, rays);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        EXPECT_EQ(got.status[i], expected[i]) << solver << " " << i << " alone " << is_alone;
+        EXPECT_EQ(got.count(i), 0U) << solver << " " << i;
+      }
+    }
+  }
 }
 
 }  // namespace

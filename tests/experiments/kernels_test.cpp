@@ -70,6 +70,10 @@ TEST_P(Kernel, AnswersEveryFamilyRightOrLeavesItOpen) {
             ++open;
             return;
           }
+          if (got.hits[i] == KernelAnswers::kCoincident) {
+            EXPECT_EQ(answer.status, Status::coincident) << family.name << " " << i;
+            return;
+          }
           if (static_cast<std::size_t>(got.hits[i]) != wanted || answer.status != Status::ok) {
             ++wrong;
             ADD_FAILURE() << family.name << std::hexfloat << " o " << rays[i].o.x << " " << rays[i].o.y << " "
