@@ -98,6 +98,7 @@ bool is_exact_zero(float x) { return x == 0; }
 bool is_exact_zero(const Interval& x) { return x == Interval{}; }
 bool is_exact_zero(const DoubleDoubleBall& x) { return x.is_exact_zero(); }
 bool is_exact_zero(const Expansion& x) { return x.is_zero(); }
+bool is_exact_zero(const Dyadic& x) { return x.is_zero(); }
 
 /// Drops leading coefficients that are zero: the degree along this ray.
 template <class T>
@@ -110,6 +111,7 @@ void trim(Univariate<T>& p) {
 
 /// Are polynomials of f's degree in the ray's numbers exact as expansions?
 bool is_exact_range(const PolynomialTerms& f, const LocalRay& ray) {
+  if (!ray.is_exact) return false;
   const int degree = f.degree() + 1;
   const auto fits = [degree](double x) { return Expansion::in_range(x, degree); };
   const std::array<double, 6> numbers{ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z};
@@ -129,14 +131,31 @@ void decide_exactly(const PolynomialTerms& f, const LocalRay& ray, Univariate<Do
   for (std::size_t i = 0; i < p.size; ++i) p.c[i] = nearest_ball(exact.c[i]);
 }
 
+/// The same in integers, where products of the ray's numbers leave the range of double: all coefficients,
+/// times a power of two that brings the largest to 1.
+void decide_in_integers(const PolynomialTerms& f, const LocalRay& ray, Univariate<DoubleDoubleBall>& p) {
+  Univariate<Dyadic> exact = restricted(f, recentred_point<Dyadic>(ray), direction_as<Dyadic>(ray));
+  trim(exact);
+  p.size = exact.size;
+  long highest = std::numeric_limits<long>::min();
+  for (const Dyadic& c : exact.c) {
+    if (!c.is_zero()) highest = std::max(highest, c.top_exponent());
+  }
+  for (std::size_t i = 0; i < p.size; ++i) p.c[i] = nearest_ball(scale_by_power(exact.c[i], -highest));
+}
+
 Univariate<DoubleDoubleBall> recentred_balls(const PolynomialTerms& f, const LocalRay& ray) {
-  auto p = restricted(f, recentred_ball(ray), components<DoubleDoubleBall>(ray.d));
+  auto p = restricted(f, recentred_ball(ray), direction_as<DoubleDoubleBall>(ray));
   trim(p);
   if (p.size == 0) return p;
   // A leading coefficient that may vanish decides the degree; f at an origin on the surface, the root l = 0.
   const bool starts_on_it = ray.centre == 0 && p.c[0].contains_zero();
   const bool is_doubtful = starts_on_it || p.c[p.size - 1].contains_zero();
-  if (is_doubtful && is_exact_range(f, ray)) decide_exactly(f, ray, p);
+  if (is_doubtful && is_exact_range(f, ray)) {
+    decide_exactly(f, ray, p);
+  } else if (is_doubtful) {
+    decide_in_integers(f, ray, p);
+  }
   return p;
 }
 
@@ -165,7 +184,7 @@ void pose_on(const PolynomialTerms& f, const LocalRay& ray, const Univariate<Dou
     return plain;
   };
   const auto exact = [terms = &f, where = &ray, zeros](std::span<Dyadic> to) {
-    const auto all = restricted(*terms, recentred_point<Dyadic>(*where), components<Dyadic>(where->d)).c;
+    const auto all = restricted(*terms, recentred_point<Dyadic>(*where), direction_as<Dyadic>(*where)).c;
     std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(zeros), to.size(), to.begin());
   };
   pose_balls(block, c, ray.centre, lo, hi, scale, ray.seed(), in_float, exact);
@@ -383,7 +402,8 @@ void ImplicitPolynomialRecentred::pose(const LocalRay& ray, EquationBlock& block
   while (ray.centre == 0 && p.c[zeros].is_exact_zero()) ++zeros;
   if (p.size - zeros == 1) return;
 
-  const double bound = bound_of_roots(p);
+  // Where all roots are 0 that is one of the range, and not its end.
+  const double bound = std::max(bound_of_roots(p), 2 * ulp(ray.centre));
   const double start = std::max(ray.lo, -bound);
   // A solver of polynomials finds all roots at once, whatever the range.
   if (!std::isfinite(bound) || block.form() == Form::polynomial)

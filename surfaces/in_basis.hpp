@@ -138,12 +138,6 @@ void remove_binomials(std::span<T> c) {
   }
 }
 
-/// A number rounded once.
-inline DoubleDoubleBall nearest_ball(const Dyadic& x) {
-  const DoubleDouble value = x.to_double_double();
-  return {value, x == Dyadic(value) ? 0 : 0x1p-105 * std::fabs(value.hi)};
-}
-
 /// Poses the polynomial on [lo, hi] in form polynomial and the block's arithmetic; `in_float()` and
 /// `exact(c)` as in pose_balls.
 template <class InFloat, class Exact>

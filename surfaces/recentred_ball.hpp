@@ -9,6 +9,7 @@
 #include <span>
 #include <type_traits>
 
+#include <graze/solvers/math/big_integer.hpp>
 #include <graze/solvers/math/double_double_ball.hpp>
 #include <graze/solvers/math/expansion.hpp>
 #include <graze/surfaces/coefficients.hpp>
@@ -32,6 +33,13 @@ inline std::array<DoubleDoubleBall, 3> recentred_ball(const LocalRay& ray) {
 inline DoubleDoubleBall nearest_ball(const Expansion& x) {
   const DoubleDouble value = x.to_double_double();
   return {value, 0x1p-105 * std::fabs(value.hi)};
+}
+inline DoubleDoubleBall nearest_ball(const Dyadic& x) {
+  const DoubleDouble value = x.to_double_double();
+  if (std::isfinite(value.hi) && x == Dyadic(value)) return DoubleDoubleBall(value);
+  // Below 2^-900 the low part may have lost bits of 2^-1074 and less.
+  const double floor = std::fabs(value.hi) < 0x1p-900 ? 0x1p-1000 : 0;
+  return {value, 0x1p-105 * std::fabs(value.hi) + floor};
 }
 
 /// Coefficients in the arithmetic of T, in the block's arena: the balls rounded, or in float as in_float()

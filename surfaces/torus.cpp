@@ -43,16 +43,19 @@ std::array<T, 5> quartic_about(const std::array<T, 3>& p, const std::array<T, 3>
 
 using Quartic = std::array<DoubleDoubleBall, 5>;
 
-/// The quartic about the ray's origin without rounding before the last; nothing where the numbers leave the
-/// range of exact products. Lengths and directions enter each coefficient four times.
-std::optional<Quartic> exact_quartic(const TorusProfile& profile, const LocalRay& ray) {
+/// Whether products of the ray's numbers and the torus's are exact as expansions. Lengths and directions
+/// enter each coefficient four times.
+bool is_exact_range(const TorusProfile& profile, const LocalRay& ray) {
   constexpr int kDegree = 4;
-  for (const double x : {ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z, profile.ring, profile.tube}) {
-    if (!Expansion::in_range(x, kDegree)) return std::nullopt;
-  }
-  const std::array<Expansion, 3> p{Expansion(ray.o.x), Expansion(ray.o.y), Expansion(ray.o.z)};
-  const auto exact =
-      quartic_about(p, direction<Expansion>(ray), Expansion(profile.ring), Expansion(profile.tube));
+  const std::array numbers{ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z, profile.ring, profile.tube};
+  return ray.is_exact && std::all_of(numbers.begin(), numbers.end(),
+                                     [](double x) { return Expansion::in_range(x, kDegree); });
+}
+
+/// The quartic about the ray's origin in exact numbers of type T, rounded once.
+template <class T>
+Quartic exact_quartic(const TorusProfile& profile, const LocalRay& ray) {
+  const auto exact = quartic_about(origin_as<T>(ray), direction_as<T>(ray), T(profile.ring), T(profile.tube));
   Quartic c;
   for (std::size_t i = 0; i < c.size(); ++i) c[i] = nearest_ball(exact[i]);
   return c;
@@ -60,10 +63,11 @@ std::optional<Quartic> exact_quartic(const TorusProfile& profile, const LocalRay
 
 /// A ray that starts on the surface has the root l = 0, which is no hit: it is to be an exact zero.
 Quartic quartic_balls(const TorusProfile& profile, const LocalRay& ray) {
-  const Quartic c = quartic_about(recentred_ball(ray), direction<DoubleDoubleBall>(ray),
+  const Quartic c = quartic_about(recentred_ball(ray), direction_as<DoubleDoubleBall>(ray),
                                   DoubleDoubleBall(profile.ring), DoubleDoubleBall(profile.tube));
   if (ray.centre != 0 || !c[0].contains_zero()) return c;
-  return exact_quartic(profile, ray).value_or(c);
+  return is_exact_range(profile, ray) ? exact_quartic<Expansion>(profile, ray)
+                                      : exact_quartic<Dyadic>(profile, ray);
 }
 
 // ---------------------------------------------------------------------------------------------------
@@ -182,7 +186,7 @@ void TorusQuarticRecentred::pose(const LocalRay& ray, EquationBlock& block) cons
     return plain;
   };
   const auto exact = [this, where = &ray, zeros](std::span<Dyadic> to) {
-    const auto all = quartic_about(recentred_point<Dyadic>(*where), direction<Dyadic>(*where),
+    const auto all = quartic_about(recentred_point<Dyadic>(*where), direction_as<Dyadic>(*where),
                                    Dyadic(profile.ring), Dyadic(profile.tube));
     std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(zeros), to.size(), to.begin());
   };
@@ -209,9 +213,14 @@ void TorusAlongRay::pose(const LocalRay& ray, EquationBlock& block) const {
   if (profile.has_inner_sheet()) pose_sheet(profile, kInner, ray, block);
 }
 
-void TorusAlongRay::lift(const LocalRay& /*ray*/, const Posed& /*posed*/, const Root& root,
+/// The two sheets meet on the axis only: off it hits are apart, also where they round to one l.
+void TorusAlongRay::lift(const LocalRay& ray, const Posed& /*posed*/, const Root& root,
                          std::vector<LocalHit>& hits) const {
   append(root, 0, hits);
+  const std::array<Interval, 3> p = recentred_point<Interval>(ray), d = direction_as<Interval>(ray);
+  const Interval delta{sub_down(root.x, root.radius), add_up(root.x, root.radius)};
+  hits.back().is_apart =
+      root.certified && (!contains_zero(p[0] + d[0] * delta) || !contains_zero(p[2] + d[2] * delta));
 }
 
 TorusSystem::TorusSystem(const Torus& surface) : profile(surface.profile) {}
