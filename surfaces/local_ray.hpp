@@ -74,6 +74,15 @@ inline LocalRay to_unit(const Ray& ray, int unit) {
   return local;
 }
 
+/// Measures l in units 2^shift times as large: that moves from l to d, which need not be in [1, 2) then.
+/// Needs: centre = 0.
+inline void measure_l(LocalRay& ray, int shift) {
+  ray.l_exponent += shift;
+  const int exponent = ray.unit - ray.l_exponent;
+  ray.d = scale_by_power(ray.world.d, -exponent);
+  ray.is_exact = is_same_scaled(ray.o, ray.unit, ray.world.o) && is_same_scaled(ray.d, exponent, ray.world.d);
+}
+
 /// Moves p to l = centre.
 inline void set_centre(LocalRay& ray, double centre) {
   ray.centre = centre;

@@ -1,5 +1,7 @@
 #include <graze/surfaces/plane.hpp>
 
+#include <algorithm>
+
 namespace graze {
 // --------------------------------------------------------------------------------------------------- exact
 
@@ -119,10 +121,26 @@ void Plane::measure_by_itself(LocalRay& ray) {
   measure(exponent_of(least) - k < -kHigh ? k - kHigh : k);
 }
 
-/// Recentres at the crossing, so that delta is a correction of the last digits: a plane has no middle, and a
-/// grazing ray may meet it anywhere.
 bool Plane::clip(LocalRay& ray) const {
   if (through_origin_) measure_by_itself(ray);
+  return clip_about_crossing(ray);
+}
+
+/// Where l, or the slope, is near the ends of double in the plane's units, l is measured in others; false: it
+/// is not.
+bool Plane::keep_in_range(LocalRay& ray, const Interval& l) {
+  constexpr int kMost = 1000;  // exponents that leave room for the bounds of l, and for d
+  const bool is_high = !(mag(l) < 0x1p1000);
+  const bool is_low = mag(l) < 0x1p-1000 && ray.l_exponent > 0;
+  const bool is_new = exponent_of(max_abs(ray.d)) == 0;
+  if (!is_new || (!is_high && !is_low)) return false;
+  measure_l(ray, is_high ? kMost : std::max(-ray.l_exponent, -kMost));
+  return true;
+}
+
+/// Recentres at the crossing, so that delta is a correction of the last digits: a plane has no middle, and a
+/// grazing ray may meet it anywhere.
+bool Plane::clip_about_crossing(LocalRay& ray) const {
   ray.lo = 0;
   ray.hi = std::numeric_limits<double>::infinity();
   if (!planar::is_usable(ray)) return true;
@@ -134,6 +152,7 @@ bool Plane::clip(LocalRay& ray) const {
       [&](auto number) { return data.plane.height(origin_as<decltype(number)>(ray)); }, kCoarse);
   const Interval l = -c0 / c1;
   if (l.hi < 0 && !contains_zero(c1)) return false;
+  if (keep_in_range(ray, l)) return clip_about_crossing(ray);
   constexpr double kNear = 4;  // sizes: from there on a hit has digits to lose
   const double middle = mid(l);
   if (!(l.lo > 0 && middle > kNear && width(l) <= 0x1p-10 * middle)) return true;

@@ -64,6 +64,8 @@ struct Plane {
 
  private:
   static void measure_by_itself(LocalRay& ray);
+  static bool keep_in_range(LocalRay& ray, const Interval& l);
+  [[nodiscard]] bool clip_about_crossing(LocalRay& ray) const;
 
   Vec3 normal_;
   Vec3 foot_;  ///< of the perpendicular from the origin, object space

@@ -218,6 +218,12 @@ ExactCoefficients exact_coefficients(EquationBlock& block, const Form& form, con
 template <class Form>
 bool pose_beyond_range(EquationBlock& block, const Form& form, const LocalRay& ray);
 
+/// Measures l in other units where roots are near the ends of double in the local ones: a power of two moves
+/// from l to d. Needs: a ray about its origin. Nothing is done in a build without exact
+/// coefficients.
+template <class Form>
+void keep_in_range(const Form& form, LocalRay& ray);
+
 /// The coefficients of f about l = centre, and their discriminant.
 template <class Form>
 class Along {
@@ -374,6 +380,15 @@ inline Frame frame_of(double a, double b, double c) {
   return (a < 0) == (c < 0) && std::fabs(a) * std::fabs(c) > 0.5 * b * b ? Frame::vertex : Frame::origin;
 }
 
+/// Whether a root, about -b/2a or -c/2b, may be near the ends of the range of double.
+inline bool has_far_roots(double a, double b, double c) {
+  const auto is_far = [](double x, double y) {
+    const double size = std::fabs(x), other = std::fabs(y);
+    return size > 0 && other > 0 && (size > 0x1p1000 * other || other > 0x1p1000 * size);
+  };
+  return is_far(a, b) || is_far(b, c);
+}
+
 /// Chooses the frame of a ray that is still about its origin; false: certainly no hit. With `vertex` A and C
 /// have one sign, so that both roots have the sign of centre.
 template <class Form>
@@ -391,13 +406,19 @@ bool choose_frame(const Form& form, LocalRay& ray) {
   const bool is_small = !(size[1].size() > 0x1p-900);  // where underflow could count
   if (!clear || (frame_of(a, b, c) == Frame::vertex && (std::fabs(b) <= error(1) || is_small))) {
     const Along<Form> exact(form, ray);
-    if (!exact.is_in_range()) return true;  // left to the formulation, which settles it
+    if (!exact.is_in_range()) {
+      keep_in_range(form, ray);
+      return true;  // left to the formulation, which settles it
+    }
     is_plain = false;
     a = exact.a().value;
     b = exact.b().value;
     c = exact.c().value;
   }
-  if (frame_of(a, b, c) == Frame::origin) return true;
+  if (frame_of(a, b, c) == Frame::origin) {
+    if (has_far_roots(a, b, c)) keep_in_range(form, ray);
+    return true;
+  }
   if (b == 0 || (b < 0) == (a < 0)) return false;
   // Near a cone's apex A and B can cancel below double-doubles.
   if (is_plain) {
@@ -438,7 +459,9 @@ void pose_on(EquationBlock& block, const LocalRay& ray, Kind kind, double lo, do
              const std::array<Sharp, N>& c, const ExactCoefficients& exact) {
   const double low = lo < 0 ? lo * (1 + kSlack) : lo * (1 - kSlack);
   const double high = hi * (1 + kSlack);
-  if (!(low <= high) || !std::isfinite(high)) return;  // a root beyond the range of double has no number
+  // A root beyond the range of double has no number.
+  if (std::isinf(high)) return block.settle(Status::uncertain);
+  if (!(low <= high)) return;
   const auto rounded = [&](auto number) {
     using T = decltype(number);
     std::array<T, N> values{};

@@ -35,15 +35,40 @@ bool has_no_hit(const Triple<Dyadic>& q, double centre) {
   return centre == 0 && !(has_sign(1) && has_sign(-1));
 }
 
-/// Whether a root may be beyond double in local units, by Fujiwara's bound: it would be lost.
-bool may_overflow(std::span<const Dyadic> c) {
+/// Whether a root ahead of the origin may be beyond double in local units, by Fujiwara's bound: it would be
+/// lost. Where B and A have one sign the root ahead is the smaller one, less than sqrt|C/A| and |C/2B|.
+bool may_overflow(std::span<const Dyadic> c, double centre) {
   constexpr long kHighest = 1020;
-  const long degree = static_cast<long>(c.size()) - 1, top = c.back().top_exponent();
-  for (long i = 0; i < degree; ++i) {
-    const Dyadic& x = c[static_cast<std::size_t>(i)];
-    if (!x.is_zero() && x.top_exponent() - top > kHighest * (degree - i)) return true;
+  const long degree = static_cast<long>(c.size()) - 1;
+  const auto is_beyond = [&](std::size_t i, std::size_t k) {
+    if (c[i].is_zero()) return false;
+    return c[i].top_exponent() - c[k].top_exponent() > kHighest * static_cast<long>(k - i);
+  };
+  if (centre == 0 && degree == 2 && c[1].sign() * c[2].sign() > 0) return is_beyond(0, 1) && is_beyond(0, 2);
+  return is_beyond(0, c.size() - 1) || (degree == 2 && is_beyond(1, 2));
+}
+
+/// Exponents that bound those of the roots that are not zero; none where low > high.
+struct RootExponents {
+  long low = 1, high = -1;
+};
+
+/// Newton's polygon: neighbouring coefficients c_i, c_k that are not zero have roots about (c_i/c_k)^(1/(k -
+/// i)). Two more for the sums of three terms, and for rounding the exponents.
+RootExponents exponents_of_roots(const Triple<Dyadic>& q) {
+  constexpr long kRoom = 4;
+  RootExponents found;
+  bool is_first = true;
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    for (std::size_t k = i + 1; k < q.size(); ++k) {
+      if (q[i].is_zero() || q[k].is_zero()) continue;
+      const long exponent = (q[i].top_exponent() - q[k].top_exponent()) / static_cast<long>(k - i);
+      const RootExponents one{exponent - kRoom, exponent + kRoom};
+      found = is_first ? one : RootExponents{std::min(found.low, one.low), std::max(found.high, one.high)};
+      is_first = false;
+    }
   }
-  return false;
+  return found;
 }
 
 Interval enclosure_of(const Dyadic& x) { return {x.round_down(), x.round_up()}; }
@@ -60,6 +85,18 @@ ExactCoefficients exact_coefficients(EquationBlock& block, const Form& form, con
       to[i] = power == 1 ? Dyadic(slice.factor) * q[1] : q[power];
     }
   });
+}
+
+template <class Form>
+void keep_in_range(const Form& form, LocalRay& ray) {
+  constexpr long kMost = 1000;  // exponents that leave room for the bounds of roots
+  if (!is_finite(ray.world.o)) return;
+  const RootExponents roots = exponents_of_roots(exactly_along(form, ray));
+  // As far as it takes, if that leaves the others where they are numbers.
+  const bool is_high = roots.high > kMost && roots.low - (roots.high - kMost) >= -kMost;
+  const bool is_low = roots.low < -kMost && roots.high - (roots.low + kMost) <= kMost;
+  if (is_high) measure_l(ray, static_cast<int>(roots.high - kMost));
+  if (is_low) measure_l(ray, static_cast<int>(roots.low + kMost));
 }
 
 template <class Form>
@@ -80,7 +117,7 @@ bool pose_beyond_range(EquationBlock& block, const Form& form, const LocalRay& r
   const std::array<Dyadic, 3> c = brought_into_range(q);
   const std::span<const Dyadic> own = std::span(c).subspan(first, size - first);
   if (own.size() < 2) return true;
-  if (may_overflow(own)) {
+  if (may_overflow(own, ray.centre)) {
     block.settle(Status::uncertain);
     return true;
   }
@@ -95,6 +132,8 @@ bool pose_beyond_range(EquationBlock& block, const Form& form, const LocalRay& r
 
 template ExactCoefficients exact_coefficients(EquationBlock&, const SphereForm&, const LocalRay&, Slice);
 template ExactCoefficients exact_coefficients(EquationBlock&, const QuadraticForm&, const LocalRay&, Slice);
+template void keep_in_range(const SphereForm&, LocalRay&);
+template void keep_in_range(const QuadraticForm&, LocalRay&);
 template bool pose_beyond_range(EquationBlock&, const SphereForm&, const LocalRay&);
 template bool pose_beyond_range(EquationBlock&, const QuadraticForm&, const LocalRay&);
 

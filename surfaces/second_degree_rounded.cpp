@@ -11,12 +11,17 @@ ExactCoefficients exact_coefficients(EquationBlock& /*block*/, const Form& /*for
 }
 
 template <class Form>
+void keep_in_range(const Form& /*form*/, LocalRay& /*ray*/) {}
+
+template <class Form>
 bool pose_beyond_range(EquationBlock& /*block*/, const Form& /*form*/, const LocalRay& /*ray*/) {
   return false;
 }
 
 template ExactCoefficients exact_coefficients(EquationBlock&, const SphereForm&, const LocalRay&, Slice);
 template ExactCoefficients exact_coefficients(EquationBlock&, const QuadraticForm&, const LocalRay&, Slice);
+template void keep_in_range(const SphereForm&, LocalRay&);
+template void keep_in_range(const QuadraticForm&, LocalRay&);
 template bool pose_beyond_range(EquationBlock&, const SphereForm&, const LocalRay&);
 template bool pose_beyond_range(EquationBlock&, const QuadraticForm&, const LocalRay&);
 
