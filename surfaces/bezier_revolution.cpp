@@ -251,6 +251,11 @@ Epsilons epsilons_along(const BezierRegions& regions, const BezierProfile& profi
   return {parts, regions.eps[BezierRegions::kParts] * per_length, 0x1p-9 * unit * norm(ray.d)};
 }
 
+/// Whether a solver that proves its answers is asked about a ray of which the local frame has lost bits.
+bool is_rounded(const LocalRay& ray, const EquationBlock& block) {
+  return !ray.is_exact && block.wants_coefficient_errors();
+}
+
 /// A ray in the plane of a flat profile runs inside the disk if it comes nearer to the axis than the rim.
 void settle_in_plane(const BezierProfile& profile, const LocalRay& ray, EquationBlock& block) {
   const double cross = ray.p.x * ray.d.z - ray.p.z * ray.d.x;
@@ -394,6 +399,7 @@ void BezierPolynomial::pose_circles(const LocalRay& ray, EquationBlock& block) c
 
 void BezierPolynomial::pose(const LocalRay& ray, EquationBlock& block) const {
   if (!revolution::is_usable(ray)) return block.settle(Status::failed);
+  if (is_rounded(ray, block)) return block.settle(Status::uncertain);
   const Epsilons epsilons{regions_, grazing_eps_, 0};
   const std::size_t size = profile_.r.size();
   if (ray.d.y == 0) {
@@ -473,6 +479,7 @@ FormulationInfo BezierAlongRay::info() {
 
 void BezierAlongRay::pose(const LocalRay& ray, EquationBlock& block) const {
   if (!revolution::is_usable(ray)) return block.settle(Status::failed);
+  if (is_rounded(ray, block)) return block.settle(Status::uncertain);
   if (profile.flat) {
     // A plane figure has no F along the ray: y is one value only. In its plane the ray runs inside it.
     if (ray.d.y == 0) return settle_in_plane(profile, ray, block);

@@ -44,6 +44,11 @@ struct BezierProfile {
   [[nodiscard]] T invert(const MonotonePiece& piece, T height) const;
   [[nodiscard]] double t_of_height(double height, double u) const;
   [[nodiscard]] Cylinder bounds() const { return cylinder; }
+  /// The bounds and 2^-20 of their size on all sides.
+  [[nodiscard]] Cylinder roomy_cylinder() const {
+    const double room = 0x1p-20 * std::max(cylinder.radius, cylinder.y_hi - cylinder.y_lo);
+    return {cylinder.radius + room, cylinder.y_lo - room, cylinder.y_hi + room};
+  }
   [[nodiscard]] static int max_hits() { return 0; }  // not known: up to 2n
 };
 
@@ -109,7 +114,10 @@ struct BezierRevolution {
   [[nodiscard]] int unit() const { return unit_; }
   [[nodiscard]] double size() const { return size_; }
   [[nodiscard]] Bounds bounds() const { return revolution::box(profile, unit_); }
-  [[nodiscard]] bool clip(LocalRay& ray) const { return revolution::clip(ray, profile.cylinder); }
+  /// With room for the bits that the local frame has lost.
+  [[nodiscard]] bool clip(LocalRay& ray) const {
+    return revolution::clip(ray, ray.is_exact ? profile.cylinder : profile.roomy_cylinder());
+  }
   [[nodiscard]] LocalPoint describe(const LocalRay& ray, const LocalHit& hit) const;
   [[nodiscard]] SurfaceSample sample(double u, double v) const {
     return revolution::sample(profile, profile.orientation, unit_, u, v);
