@@ -2,6 +2,7 @@
 //
 // solves    what the kernel for `certified` solves, in its formulation
 // needs     Step: a plain struct
+//             static constexpr std::uint8_t kLastAgain;  // the last tier whose rays are looked at again
 //             Step(const Surface&, const Certified&, const Parameters& options);
 //             void correct(const FaithfulBatch&) const;    // lanes, for instance faithful_lanes.hpp
 //             bool decide(const Ray&, bool all, std::span<const double> near, KernelAnswers&,
@@ -73,7 +74,11 @@ class FaithfulKernel {
       count = kept;
     }
     for (std::size_t i = 0; all && exact > 0 && i < rays.size(); ++i) {
-      if (answers.tier[first + i] == kExact && hits[i] == 2 && are_close(answers, 1, first + i)) open[i] = 1;
+      const std::size_t many =
+          answers.tier[first + i] == kExact && hits[i] > 1 ? static_cast<std::size_t>(hits[i]) : 1;
+      for (std::size_t rank = 1; rank < many; ++rank) {
+        if (are_close(answers, rank, first + i)) open[i] = 1;
+      }
     }
   }
 
@@ -92,7 +97,14 @@ class FaithfulKernel {
     std::size_t count = 0;
     for (auto at = open.begin(), end = open.begin() + static_cast<std::ptrdiff_t>(rays.size());; ++at) {
       at = std::find(at, end, std::uint8_t{1});
-      if (at != end) again[count++] = static_cast<std::size_t>(at - open.begin());
+      if (at != end) {
+        const auto i = static_cast<std::size_t>(at - open.begin());
+        if (answers.tier[first + i] > Step::kLastAgain) {
+          decide(rays[i], {}, all, answers, first + i);
+        } else {
+          again[count++] = i;
+        }
+      }
       if (count == kAgain || (at == end && count > 0)) {
         look_again(rays, std::span(again).first(count), all, answers, first);
         count = 0;
@@ -122,18 +134,25 @@ class FaithfulKernel {
         take(found, k, all, answers, at);
         continue;
       }
-      std::array<double, KernelAnswers::kMost> near;
+      std::array<double, KernelAnswers::kMany> near;
       const std::size_t hits =
           found.hits[k] > 0 && found.touching[k] == 0 ? static_cast<std::size_t>(found.hits[k]) : 0;
       for (std::size_t rank = 0; rank < hits; ++rank) near[rank] = found.l[rank][k];
-      if (!step_.decide(left[k], all, std::span(near).first(hits), answers, at))
-        answers.hits[at] = KernelAnswers::kOpen;
+      decide(left[k], std::span(near).first(hits), all, answers, at);
     }
+  }
+
+  void decide(const Ray& ray, std::span<const double> near, bool all, KernelAnswers& answers,
+              std::size_t at) const {
+    if (!step_.decide(ray, all, near, answers, at)) answers.hits[at] = KernelAnswers::kOpen;
   }
 
   static void take(const KernelAnswers& from, std::size_t k, bool all, KernelAnswers& to, std::size_t at) {
     to.hits[at] = all ? from.hits[k] : std::min<std::int8_t>(1, from.hits[k]);
-    for (std::size_t rank = 0; rank < KernelAnswers::kMost; ++rank) to.l[rank][at] = from.l[rank][k];
+    for (std::size_t rank = 0; static_cast<int>(rank) < to.hits[at]; ++rank) {
+      if (to.l[rank].size() <= at) to.l[rank].resize(to.hits.size());
+      to.l[rank][at] = from.l[rank][k];
+    }
     to.touching[at] = all ? from.touching[k] : from.touching[k] & std::uint8_t{1};
     to.tier[at] = std::max(from.tier[k], std::uint8_t{2});
   }

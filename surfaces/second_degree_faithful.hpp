@@ -16,6 +16,8 @@ namespace graze {
 
 class SecondDegreeFaithfulStep {
  public:
+  static constexpr std::uint8_t kLastAgain = 3;
+
   template <class Surface>
   SecondDegreeFaithfulStep(const Surface& /*surface*/, const SecondDegreeCertified& certified,
                            const Parameters& /*options*/)

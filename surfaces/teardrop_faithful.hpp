@@ -16,6 +16,8 @@ namespace graze {
 
 class TeardropFaithfulStep {
  public:
+  static constexpr std::uint8_t kLastAgain = 3;
+
   TeardropFaithfulStep(const Teardrop& surface, const TeardropCertified& certified,
                        const Parameters& options);
   void correct(const FaithfulBatch& batch) const;

@@ -17,6 +17,8 @@ namespace graze {
 
 class TorusFaithfulStep {
  public:
+  static constexpr std::uint8_t kLastAgain = 3;
+
   TorusFaithfulStep(const Torus& surface, const TorusCertified& certified, const Parameters& options);
   void correct(const FaithfulBatch& batch) const;
   static bool decide(const Ray& /*ray*/, bool /*all*/, std::span<const double> /*near*/,
