@@ -12,8 +12,8 @@ namespace {
 constexpr double kU = 0x1p-53;
 constexpr double kInfinity = __builtin_inf();
 constexpr double kOpen = __builtin_nan("");
-constexpr double kTiny = 0x1p-960;   // far above what underflow can add to a bound, far below what matters
-constexpr std::size_t kBlock = 512;  // about 140 kB of lanes, most of them unused; few vectors are part empty
+constexpr double kTiny = 0x1p-960;  // far above what underflow can add to a bound, far below what matters
+constexpr std::size_t kBlock = 512;
 constexpr std::size_t kPadded = kBlock + kFloats;
 
 template <class V>
@@ -30,9 +30,29 @@ struct Frame {
   double per_height_tail;
   double nine_m2;  ///< 9 m^2
   double nine_m2_tail;
-  double above;   ///< no point of the surface is higher
-  double middle;  ///< height near which rays are recentred
+  double above;  ///< no point of the surface is higher
+  // The first majorant, an ellipsoid: |x_xz|^2 + stretch2 (y - middle)^2 <= radius2.
+  float middle, stretch2, radius2;
 };
+
+/// rho <= r0 + r1 (v - at) + r2 (v - at)^2 on [0, 1]: tangent at `at`, through (1, 0).
+template <class V>
+struct Majorant {
+  V at, r0, r1, r2;
+};
+
+/// At t^2. rho''' > 0, so the difference to the quadratic has no other zero in [0, 1] than those.
+template <class V>
+[[gnu::always_inline]] inline Majorant<V> majorant_at(V t) {
+  const V v = t * t;
+  const V g = 2 - v - t;
+  const V turn = 2 - 3 * v - 2 * t;
+  const V w = (2 + t) / (1 + t);
+  return {v, 9 * v * g * g, 9 * g * turn, -9 * w * (v * w + turn)};
+}
+
+/// Of the tangent ellipsoid at v = 0.42, where the body is widest but for 1 %: the fewest lines are left.
+constexpr double kFirst = 0.648;
 
 Frame frame_of(double m) {
   const double height = 6 * m, height_tail = __builtin_fma(6, m, -height);
@@ -41,6 +61,10 @@ Frame frame_of(double m) {
       (__builtin_fma(-per_height, height, 1) - per_height * height_tail) * per_height;
   const double m2 = m * m, m2_tail = __builtin_fma(m, m, -m2);
   const double nine_m2 = 9 * m2;
+  const Majorant<double> q = majorant_at(kFirst);
+  const double widest = q.at - 0.5 * q.r1 / q.r2;
+  // Wider by more than all roundings of these constants and of `cull`.
+  constexpr double kMargin = 1 + 0x1p-18;
   return {m,
           m2,
           per_height,
@@ -48,23 +72,9 @@ Frame frame_of(double m) {
           nine_m2,
           __builtin_fma(9, m2, -nine_m2) + 9 * m2_tail,
           height * (1 + 8 * kU),
-          2.52 * m};
-}
-
-/// rho <= r0 + r1 (v - at) + r2 (v - at)^2 on [0, 1]: tangent at `at`, through (1, 0).
-template <class V>
-struct Majorant {
-  V at, r0, r1, r2;
-};
-
-/// rho''' > 0, so the difference to the quadratic has no other zero in [0, 1] than those.
-template <class V>
-[[gnu::always_inline]] inline Majorant<V> majorant_at(V v) {
-  const V t = sqrt(v);
-  const V g = 2 - v - t;
-  const V turn = 2 - 3 * v - 2 * t;
-  const V w = (2 + t) / (1 + t);
-  return {v, 9 * v * g * g, 9 * g * turn, -9 * w * fma(v, w, turn)};
+          static_cast<float>(height * widest),
+          static_cast<float>(-q.r2 / 36),
+          static_cast<float>(kMargin * m2 * (q.r0 - 0.25 * q.r1 * q.r1 / q.r2))};
 }
 
 /// x where it is a number, else none: infinity says a proved miss, which a division by zero is not.
@@ -73,27 +83,33 @@ template <class V>
   return fma(x, V{}, x);
 }
 
-/// Lines whose entry is looked for, as arrays: an exit is the entry of the reversed line.
-struct Queue {
+/// Lines that may hit, as arrays.
+struct Lines {
   alignas(64) double o[3][kPadded], d[3][kPadded];
-  alignas(64) double centre[kPadded];  ///< l near the closest approach
-  alignas(64) double entry[kPadded];   ///< guess, l - centre; at last l, kInfinity for a miss, or kOpen
-  alignas(64) double width[kPadded];   ///< of the bracket on each side; kInfinity: F bends too much in it
-  alignas(64) double per_slope[kPadded];
-  alignas(64) double back[kPadded];                ///< l of the caller = l here * back
-  alignas(64) float p[3][kPadded], q[3][kPadded];  ///< in floats: the point at `centre`, and d
-  alignas(64) float start[kPadded];                ///< where it enters the first majorant, l - centre
-  alignas(64) float guess[kPadded];                ///< of entry - centre
-  std::int32_t ray[kPadded];                       ///< of the block
+  alignas(64) double back[kPadded];                   ///< where d is scaled: l of the caller = l here * back
+  alignas(64) float middle[kPadded], half2[kPadded];  ///< l in the first ellipsoid: middle +- sqrt(half2)
+  std::int32_t ray[kPadded];                          ///< of the block
   std::size_t size = 0;
 };
 
+/// Where lines enter; an exit is the entry of the reversed line.
+struct Search {
+  alignas(64) double entry[kPadded];               ///< guess; at last l, kInfinity for a miss, or kOpen
+  alignas(64) double centre[kPadded];              ///< of the hard: l near the closest approach
+  alignas(64) float p[3][kPadded], q[3][kPadded];  ///< in floats: the point at `near`, and d
+  alignas(64) float near[kPadded];                 ///< where it enters the first ellipsoid
+  alignas(64) float guess[kPadded];                ///< of entry - near
+};
+
 struct Block {
-  Queue entries, exits;
-  alignas(64) double out[kPadded];  ///< by ray: where it leaves; kInfinity: not asked for
-  // What is proved of the rays of `entries`, in its order.
-  alignas(64) double first[kPadded], second[kPadded];
-  alignas(64) std::int8_t hits[kPadded];
+  Lines lines;
+  Lines behind;  ///< of them: those that enter behind the origin, where the first hit is wanted
+  Search entries, exits;
+  alignas(64) std::int32_t place[kPadded];  ///< of those behind, among the lines
+  unsigned left[kBlock / kFloats];          ///< a bit a ray: whether it is among the lines
+  alignas(64) double out[kPadded];          ///< where a line leaves; kInfinity: not asked for
+  // What is proved of the rays of `lines`.
+  alignas(64) double first[kPadded], second[kPadded], hits[kPadded];
 };
 
 template <class V>
@@ -167,184 +183,107 @@ template <class V>
           fma(nine_m2 * v, abs(g) + 16 * kUnit<S>, fma(px, px, pz * pz))};
 }
 
-/// F = R^2 - |x_xz|^2 at the double l of the ray itself, with a bound on its error (surfaces/teardrop.md).
-struct Sign {
-  Lanes f, error;
-  Mask beside;  ///< below the bottom or above the apex: outside whatever F says
-};
-
-[[gnu::always_inline]] inline Sign sign_at(const Frame& frame, const Queue& queue, std::size_t i, Lanes l) {
-  const Lanes x = fma(l, load(&queue.d[0][i]), load(&queue.o[0][i]));
-  const Lanes y = fma(l, load(&queue.d[1][i]), load(&queue.o[1][i]));
-  const Lanes z = fma(l, load(&queue.d[2][i]), load(&queue.o[2][i]));
-  // v and 9 m^2 v with the tails of their constants: one rounding each beside that of y.
-  const Lanes v = fma(y, all(frame.per_height), y * frame.per_height_tail);
-  const Lanes t = sqrt(max(v, Lanes{}));
-  const Lanes g = 2 - v - t;
-  const Lanes kv = fma(v, all(frame.nine_m2), v * frame.nine_m2_tail);
-  const Lanes rho = kv * g * g;
-  const Lanes square = fma(x, x, z * z);
-  const Lanes size_g = abs(g) + 16 * kU;
-  const Lanes bound =
-      fma(kv * size_g, fma(v, all(3.0), fma(t, all(3.0), all(9.0))), fma(rho, all(7.0), 7 * square));
-  const Lanes error = fma(bound, all(kU), all(kTiny));
-  return {rho - square, error, (y < 0) | (y > frame.above)};
-}
-
-/// Two vectors of rays in the frame: lengths in its unit, directions by a power of two with
-/// 1 <= max |d_i| < 2.
-struct Rays {
-  Lanes o[3], d[3];
-  Lanes back;  ///< l of the caller = l here * back
-};
-struct RayPair {
-  Rays a, b;
-  Lanes centre_a, centre_b;
-  Line<Floats> line;  ///< through the points at `centre`
-};
-
-[[gnu::always_inline]] inline Rays scaled(const TeardropBatch& batch, const Lanes (&x)[6]) {
+/// Scales directions by a power of two to 1 <= max |d_i| < 2; returns the power.
+[[gnu::always_inline]] inline Lanes scale_direction(Lanes (&x)[6]) {
   const Lanes shrink = reciprocal_power(max(abs(x[3]), max(abs(x[4]), abs(x[5]))));
+  for (std::size_t i = 3; i < 6; ++i) x[i] *= shrink;
+  return shrink;
+}
+
+/// Rays against the first ellipsoid, in floats throughout: those that may hit ahead become lines. Returns
+/// whether each d has squares in range. A ray misses if its closest approach in the ellipsoid's own metric is
+/// outside, or if it starts outside and goes away (surfaces/teardrop.md).
+template <bool kScaled>
+[[gnu::always_inline]] inline bool cull(const Frame& frame, const TeardropBatch& batch, const double* rays,
+                                        std::size_t at, std::size_t count, Block& block) {
+  constexpr float kLess = 1 - 0x1p-18F;                // more than all roundings of what is compared
+  constexpr float kLeast = 0x1p-60F, kMost = 0x1p60F;  // of |d|^2: its square is no problem either
   const double scale = batch.inverse_unit;
-  return {{x[0] * scale, x[1] * scale, x[2] * scale},
-          {x[3] * shrink, x[4] * shrink, x[5] * shrink},
-          shrink * batch.unit};
-}
-
-/// Recentres two vectors of rays. The reciprocals are those of floats with one correction: 46 bits are far
-/// more than a point near the closest approach needs.
-[[gnu::always_inline]] inline RayPair recentred(const Frame& frame, const Rays& a, const Rays& b) {
-  const auto along = [&](const Rays& r) {
-    return fma(r.o[0], r.d[0], fma(r.o[1] - frame.middle, r.d[1], r.o[2] * r.d[2]));
-  };
-  const auto square = [](const Rays& r) { return fma(r.d[0], r.d[0], fma(r.d[1], r.d[1], r.d[2] * r.d[2])); };
-  const auto centre = [](Lanes wanted, Lanes squares, Lanes inverse) {
-    const Lanes near = -wanted * inverse;
-    return fma(-fma(near, squares, wanted), inverse, near);
-  };
-  const auto point = [](const Rays& r, Lanes l, int i) { return fma(l, r.d[i], r.o[i]); };
-  const Lanes square_a = square(a), square_b = square(b);
-  const auto inverse = widen(1 / narrow(square_a, square_b));
-  const Lanes at_a = centre(along(a), square_a, inverse.first),
-              at_b = centre(along(b), square_b, inverse.second);
-  return {a,
-          b,
-          at_a,
-          at_b,
-          {narrow(point(a, at_a, 0), point(b, at_b, 0)), narrow(point(a, at_a, 1), point(b, at_b, 1)),
-           narrow(point(a, at_a, 2), point(b, at_b, 2)), narrow(a.d[0], b.d[0]), narrow(a.d[1], b.d[1]),
-           narrow(a.d[2], b.d[2])}};
-}
-
-/// The tangent ellipsoid at v = 0.42, where the body is widest but for 1 %: the fewest lines are left.
-[[gnu::always_inline]] inline Majorant<Floats> first_majorant() { return majorant_at(all(0.42F)); }
-
-/// Lines against the first majorant, in floats throughout: those that may hit ahead are queued. The point
-/// near the closest approach carries u (|p| + |o|).
-[[gnu::always_inline]] inline void cull(const Frame& frame, const TeardropBatch& batch, const double* rays,
-                                        std::size_t at, std::size_t count, Queue& entries) {
-  // Of the radius about (0, middle, 0), of which 3.48 m reach the apex.
-  const auto reach = static_cast<float>(3.6 * frame.m), middle = static_cast<float>(frame.middle);
-  // |along| is within 8 u |o| |d|, which is far below sqrt(kFar) |o| |d|.
-  constexpr float kFar = 0x1p-36F;
-  // Of |d|, so that no square of it leaves the floats.
-  constexpr float kLeast = 0x1p-30F, kMost = 0x1p30F;
   Lanes low[6], high[6];
   load_records(rays, low);
   load_records(rays + std::size_t{6} * kLanes, high);
-  const double scale = batch.inverse_unit;
-  const Floats ox = narrow(low[0] * scale, high[0] * scale), oy = narrow(low[1] * scale, high[1] * scale),
-               oz = narrow(low[2] * scale, high[2] * scale);
+  for (std::size_t i = 0; i < 3; ++i) {
+    low[i] *= scale;
+    high[i] *= scale;
+  }
+  if constexpr (kScaled) {
+    scale_direction(low);
+    scale_direction(high);
+  }
+  const Floats ox = narrow(low[0], high[0]), oy = narrow(low[1], high[1]), oz = narrow(low[2], high[2]);
   const Floats dx = narrow(low[3], high[3]), dy = narrow(low[4], high[4]), dz = narrow(low[5], high[5]);
-  const Floats up = oy - middle;
-  const Floats along = fma(ox, dx, fma(up, dy, oz * dz)), square = fma(dx, dx, fma(dy, dy, dz * dz));
-  const Floats far = fma(ox, ox, fma(up, up, oz * oz));
-  const FloatMask behind = (along > 0) & (along * along > square * fma(all(kFar), far, all(reach * reach)));
-  const Floats centre = -along / square;
-  const Line<Floats> line{fma(centre, dx, ox), fma(centre, dy, oy), fma(centre, dz, oz), dx, dy, dz};
-  const Quadratic<Floats> q =
-      against(frame, line, {abs(line.px) + abs(ox), abs(line.py) + abs(oy), abs(line.pz) + abs(oz)},
-              first_majorant());
-  const Floats size = max(abs(dx), max(abs(dy), abs(dz)));
-  const FloatMask missed = ((q.discriminant < -q.error) | behind) & (size > kLeast) & (size < kMost);
-  const unsigned left = ((1U << count) - 1) & ~to_bits(missed);
-  store_selected_numbers(entries.ray + entries.size, left, static_cast<std::int32_t>(at));
-  entries.size += static_cast<unsigned>(__builtin_popcount(left));
+  const Floats up = oy - frame.middle, stretched_up = up * frame.stretch2, stretched_dy = dy * frame.stretch2;
+  const Floats a = fma(dx, dx, fma(stretched_dy, dy, dz * dz));
+  const Floats b = fma(ox, dx, fma(stretched_up, dy, oz * dz));
+  const Floats far = fma(ox, ox, fma(stretched_up, up, oz * oz));
+  const Floats c = finite(fma(far, all(kLess), all(-frame.radius2)));
+  const FloatMask fits = (a > kLeast) & (a < kMost);
+  const FloatMask missed = ((b * b < a * c) | ((b >= 0) & (c > 0))) & fits;
+  const unsigned some = (1U << count) - 1, left = some & ~to_bits(missed);
+  const Floats per_a = 1 / a, middle = -b * per_a;
+  Lines& lines = block.lines;
+  const std::size_t size = lines.size;
+  store_selected(&lines.middle[size], left, middle);
+  store_selected(&lines.half2[size], left, max(fma(middle, middle, -(c * per_a)), Floats{}));
+  store_selected_numbers(&lines.ray[size], left, static_cast<std::int32_t>(at));
+  lines.size = size + static_cast<unsigned>(__builtin_popcount(left));
+  block.left[at / kFloats] = left;
+  return (some & ~to_bits(fits)) == 0;
 }
 
-/// The rays of two vectors of a queue.
-[[gnu::always_inline]] inline RayPair rays_of(const Frame& frame, const TeardropBatch& batch,
-                                              const Queue& queue, std::size_t i) {
-  const auto record = [&](std::size_t k) { return &batch.rays[queue.ray[i + k]].o.x; };
-  Lanes low[6], high[6];
-  load_records_at(record, low);
-  load_records_at([&](std::size_t k) { return record(k + kLanes); }, high);
-  return recentred(frame, scaled(batch, low), scaled(batch, high));
-}
-
-/// Files the queued rays as arrays, an exit as the entry of the reversed ray, and where they enter the first
-/// majorant. Of entries, those that may not be ahead are queued in `exits`, unless that is null.
-template <bool kReversed>
-void file(const Frame& frame, const TeardropBatch& batch, Queue& queue, Queue* exits) {
-  // What is ahead is proved to be by more than the roundings of 40 operations.
-  constexpr float kMargin = 0x1p-16F;
-  const auto turned = [](auto x) { return kReversed ? -x : x; };
-  // The lanes behind the last ray compute too: on rays, not on whatever lies there.
-  for (std::size_t i = 0; i < kFloats; ++i) queue.ray[queue.size + i] = 0;
-  for (std::size_t i = 0; i < queue.size; i += kFloats) {
-    const RayPair pair = rays_of(frame, batch, queue, i);
+/// The rays that became lines, as arrays.
+void gather(const TeardropBatch& batch, bool scaled, Lines& lines) {
+  // The lanes behind the last line compute too: on some ray, not on whatever lies there.
+  for (std::size_t i = 0; i < kFloats; ++i) lines.ray[lines.size + i] = 0;
+  store(&lines.middle[lines.size], Floats{});
+  store(&lines.half2[lines.size], Floats{});
+  for (std::size_t i = 0; i < lines.size; i += kLanes) {
+    Lanes x[6];
+    load_records_at([&](std::size_t k) { return &batch.rays[lines.ray[i + k]].o.x; }, x);
+    if (scaled) store(&lines.back[i], scale_direction(x) * batch.unit);
     for (std::size_t k = 0; k < 3; ++k) {
-      store(&queue.o[k][i], pair.a.o[k]);
-      store(&queue.o[k][i + kLanes], pair.b.o[k]);
-      store(&queue.d[k][i], turned(pair.a.d[k]));
-      store(&queue.d[k][i + kLanes], turned(pair.b.d[k]));
+      store(&lines.o[k][i], x[k] * batch.inverse_unit);
+      store(&lines.d[k][i], x[3 + k]);
     }
-    store(&queue.back[i], pair.a.back);
-    store(&queue.back[i + kLanes], pair.b.back);
-    store(&queue.centre[i], turned(pair.centre_a));
-    store(&queue.centre[i + kLanes], turned(pair.centre_b));
-    const Line<Floats>& line = pair.line;
-    const Floats p[] = {line.px, line.py, line.pz}, d[] = {line.dx, line.dy, line.dz};
-    for (std::size_t k = 0; k < 3; ++k) {
-      store(&queue.p[k][i], p[k]);
-      store(&queue.q[k][i], turned(d[k]));
-    }
-    // a < 0: entry before exit. The roots from the far side.
-    const Quadratic<Floats> q = against(frame, line, first_majorant());
-    const Floats root = sqrt(max(q.discriminant, Floats{}) + q.error) + kMargin * q.size;
-    const Floats start = (kReversed ? root + q.b : root - q.b) / q.a;
-    store(&queue.start[i], finite(start));
-    if (kReversed || exits == nullptr) continue;
-    const Floats centre = narrow(pair.centre_a, pair.centre_b);
-    unsigned near = to_bits(~(start - kMargin * abs(start) > -centre + kMargin * abs(centre)));
-    if (queue.size - i < kFloats) near &= (1U << (queue.size - i)) - 1;
-    for (; near != 0; near &= near - 1)
-      exits->ray[exits->size++] = queue.ray[i + static_cast<unsigned>(__builtin_ctz(near))];
   }
 }
 
-Line<Lanes> line_at(const Queue& queue, std::size_t i) {
-  const Lanes centre = load(&queue.centre[i]);
-  const Lanes dx = load(&queue.d[0][i]), dy = load(&queue.d[1][i]), dz = load(&queue.d[2][i]);
-  return {fma(centre, dx, load(&queue.o[0][i])),
-          fma(centre, dy, load(&queue.o[1][i])),
-          fma(centre, dz, load(&queue.o[2][i])),
+template <bool kScaled>
+bool cull_all(const Frame& frame, const TeardropBatch& batch, Block& block) {
+  bool fits = true;
+  block.lines.size = 0;
+  for_groups<kFloats>(&batch.rays->o.x, batch.count,
+                      [&](const double* rays, std::size_t at, std::size_t count) {
+                        fits &= cull<kScaled>(frame, batch, rays, at, count, block);
+                      });
+  return fits;
+}
+
+/// A line through its point at l, from there on.
+template <bool kReversed>
+[[gnu::always_inline]] inline Line<Lanes> line_at(const Lines& lines, std::size_t i, Lanes l) {
+  const auto turned = [](Lanes x) { return kReversed ? -x : x; };
+  const Lanes dx = turned(load(&lines.d[0][i])), dy = turned(load(&lines.d[1][i])),
+              dz = turned(load(&lines.d[2][i]));
+  return {fma(l, dx, load(&lines.o[0][i])),
+          fma(l, dy, load(&lines.o[1][i])),
+          fma(l, dz, load(&lines.o[2][i])),
           dx,
           dy,
           dz};
 }
-Line<Floats> floats_at(const Queue& queue, std::size_t i) {
-  return {load(&queue.p[0][i]), load(&queue.p[1][i]), load(&queue.p[2][i]),
-          load(&queue.q[0][i]), load(&queue.q[1][i]), load(&queue.q[2][i])};
+Line<Floats> floats_at(const Search& search, std::size_t i) {
+  return {load(&search.p[0][i]), load(&search.p[1][i]), load(&search.p[2][i]),
+          load(&search.q[0][i]), load(&search.q[1][i]), load(&search.q[2][i])};
 }
 
-/// A line against the majorant that is tangent at the height of one of its points.
+/// A line against the majorant that is tangent near the height of one of its points.
 template <class V>
 [[gnu::always_inline]] inline Quadratic<V> against_local(const Frame& frame, const Line<V>& line, V delta) {
   using S = Scalar<V>;
   constexpr S kEdge = S(0x1p-20);
   const V height = fma(delta, line.dy, line.py) * static_cast<S>(frame.per_height);
-  return against(frame, line, majorant_at(min(max(height, all(kEdge)), all(1 - kEdge))));
+  return against(frame, line, majorant_at(sqrt(min(max(height, all(kEdge)), all(1 - kEdge)))));
 }
 
 /// A majorant step: it proves most of the misses that are left (kInfinity), and never passes the entry.
@@ -370,17 +309,42 @@ template <class V>
   return select(delta == static_cast<S>(kInfinity), delta, next);
 }
 
-/// Guesses in floats: what is left to double is one step and the proof. A loop for each step, so that the
+/// Halley's step: one division.
+[[gnu::always_inline]] inline Floats step_by_halley(const Frame& frame, const Line<Floats>& line,
+                                                    Floats delta) {
+  const Local<Floats> here = evaluate(frame, line, delta);
+  const Floats rise = here.df * here.t;
+  const Floats next = finite(delta - 2 * here.f * rise / fma(2 * here.df, rise, -here.f * here.ddf_t));
+  return select(delta == static_cast<float>(kInfinity), delta, next);
+}
+
+/// Guesses in floats: what is left to double is one step with its proof. A loop for each step, so that the
 /// long chains of neighbours overlap.
-void guess(const Frame& frame, Queue& queue) {
-  for (std::size_t i = 0; i < queue.size; i += kFloats)
-    store(&queue.guess[i], step_by_majorant(frame, floats_at(queue, i), load(&queue.start[i])));
-  for (std::size_t i = 0; i < queue.size; i += kFloats)
-    store(&queue.guess[i], step_by_euler(frame, floats_at(queue, i), load(&queue.guess[i])));
-  for (std::size_t i = 0; i < queue.size; i += kFloats) {
-    const auto [a, b] = widen(step_by_euler(frame, floats_at(queue, i), load(&queue.guess[i])));
-    store(&queue.entry[i], a);
-    store(&queue.entry[i + kLanes], b);
+template <bool kReversed>
+void guess(const Frame& frame, const Lines& lines, Search& search) {
+  for (std::size_t i = 0; i < lines.size; i += kFloats) {
+    const Floats middle = load(&lines.middle[i]), half = sqrt(load(&lines.half2[i]));
+    const Floats near = finite(kReversed ? -(middle + half) : middle - half);
+    const auto [low, high] = widen(near);
+    const Line<Lanes> a = line_at<kReversed>(lines, i, low), b = line_at<kReversed>(lines, i + kLanes, high);
+    const Line<Floats> line{narrow(a.px, b.px), narrow(a.py, b.py), narrow(a.pz, b.pz),
+                            narrow(a.dx, b.dx), narrow(a.dy, b.dy), narrow(a.dz, b.dz)};
+    store(&search.near[i], near);
+    store(&search.p[0][i], line.px);
+    store(&search.p[1][i], line.py);
+    store(&search.p[2][i], line.pz);
+    store(&search.q[0][i], line.dx);
+    store(&search.q[1][i], line.dy);
+    store(&search.q[2][i], line.dz);
+    store(&search.guess[i], step_by_majorant(frame, line, Floats{}));
+  }
+  for (std::size_t i = 0; i < lines.size; i += kFloats)
+    store(&search.guess[i], step_by_halley(frame, floats_at(search, i), load(&search.guess[i])));
+  for (std::size_t i = 0; i < lines.size; i += kFloats) {
+    const auto delta = widen(step_by_halley(frame, floats_at(search, i), load(&search.guess[i])));
+    const auto near = widen(load(&search.near[i]));
+    store(&search.entry[i], near.first + delta.first);
+    store(&search.entry[i + kLanes], near.second + delta.second);
   }
 }
 
@@ -396,17 +360,25 @@ Mask passes_beside(const Frame& frame, const Line<Lanes>& line, Lanes delta) {
 }
 
 /// The same in doubles with more steps, for the few that those do not settle.
-void guess_hard(const Frame& frame, Queue& queue) {
+template <bool kReversed>
+void guess_hard(const Frame& frame, const Lines& lines, Search& search) {
   constexpr int kMajorants = 5, kEulers = 4;
   const auto each = [&](const auto& step) {
-    for (std::size_t i = 0; i < queue.size; i += kLanes)
-      store(&queue.entry[i], step(line_at(queue, i), load(&queue.entry[i])));
+    for (std::size_t i = 0; i < lines.size; i += kLanes) {
+      const Line<Lanes> line = line_at<kReversed>(lines, i, load(&search.centre[i]));
+      store(&search.entry[i], step(line, load(&search.entry[i])));
+    }
   };
-  for (std::size_t i = 0; i < queue.size; i += kFloats) {
-    const auto [a, b] = widen(load(&queue.start[i]));
-    store(&queue.entry[i], a);
-    store(&queue.entry[i + kLanes], b);
+  for (std::size_t i = 0; i < lines.size; i += kLanes) {
+    const Line<Lanes> ray = line_at<kReversed>(lines, i, Lanes{});
+    const Lanes up = ray.py - static_cast<double>(frame.middle);
+    const Lanes square = fma(ray.dx, ray.dx, fma(ray.dy, ray.dy, ray.dz * ray.dz));
+    store(&search.centre[i], -fma(ray.px, ray.dx, fma(up, ray.dy, ray.pz * ray.dz)) / square);
   }
+  each([&](const Line<Lanes>& line, Lanes) {
+    const Quadratic<Lanes> q = against(frame, line, majorant_at(all(kFirst)));
+    return finite((sqrt(max(q.discriminant, Lanes{})) - q.b) / q.a);
+  });
   for (int step = 0; step < kMajorants; ++step) {
     each([&](const Line<Lanes>& line, Lanes delta) {
       return select(delta == kInfinity, delta, step_by_majorant(frame, line, delta));
@@ -417,62 +389,94 @@ void guess_hard(const Frame& frame, Queue& queue) {
   });
   for (int step = 0; step < kEulers; ++step)
     each([&](const Line<Lanes>& line, Lanes delta) { return step_by_euler(frame, line, delta); });
+  for (std::size_t i = 0; i < lines.size; i += kLanes)
+    store(&search.entry[i], finite(load(&search.centre[i])) + load(&search.entry[i]));
 }
 
-/// Chebyshev's step, of third order: its reciprocals are one division.
-void polish(const Frame& frame, Queue& queue) {
-  for (std::size_t i = 0; i < queue.size; i += kLanes) {
-    const Lanes delta = load(&queue.entry[i]);
-    const Local<Lanes> here = evaluate(frame, line_at(queue, i), delta);
-    const Lanes per_both = 1 / (here.t * here.df);
-    const Lanes ddf = here.ddf_t * (per_both * here.df), per_slope = per_both * here.t;
-    const Lanes newton = here.f * per_slope;
-    const Lanes next = finite(delta - newton * fma(0.5 * newton * ddf, per_slope, all(1.0)));
-    store(&queue.entry[i], select(delta == kInfinity, delta, next));
-    store(&queue.per_slope[i], per_slope);
+/// The proof, and Chebyshev's step, of third order, from one evaluation of F, F' and F'' at a double l of the
+/// ray itself: F is negative before a bracket about l + step and positive behind it, by Taylor's formula with
+/// a bound on all that is neglected (surfaces/teardrop.md). The solid is convex, so a line that goes in is
+/// met nowhere else going in.
+template <bool kReversed>
+void certify(const Frame& frame, const Lines& lines, Search& search) {
+  for (std::size_t i = 0; i < lines.size; i += kLanes) {
+    const Lanes l = load(&search.entry[i]);
+    const Line<Lanes> at = line_at<kReversed>(lines, i, l);
+    // v and 9 m^2 v with the tails of their constants: one rounding each beside that of y.
+    const Lanes v = fma(at.py, all(frame.per_height), at.py * frame.per_height_tail);
+    const Lanes nine_v = fma(v, all(frame.nine_m2), v * frame.nine_m2_tail);
+    const Lanes t = sqrt(v), g = (1 - v) + (1 - t), turn = 2 - 3 * v - 2 * t;
+    const Lanes rho = nine_v * g * g, square = fma(at.px, at.px, at.pz * at.pz);
+    const Lanes f = rho - square;
+    const Lanes k = at.dy * frame.per_height, flat = fma(at.dx, at.dx, at.dz * at.dz);
+    const Lanes df = fma(frame.nine_m2 * g * turn, k, -2 * fma(at.px, at.dx, at.pz * at.dz));
+    const Lanes bend = frame.nine_m2 * fma(t + 0.5, turn, g * fma(t, all(3.0), all(1.0)));
+    // 1/t and 1/F' by one division.
+    const Lanes per_both = 1 / (t * df);
+    const Lanes per_t = per_both * df, per_slope = per_both * t;
+    const Lanes half_ddf = -fma(0.5 * bend * per_t, k * k, flat);
+
+    const Lanes newton = f * per_slope;
+    const Lanes chebyshev = -newton * fma(newton * half_ddf, per_slope, all(1.0));
+    const Lanes left = fma(chebyshev, fma(chebyshev, half_ddf, df), f);
+    const Lanes step = fma(-left, per_slope, chebyshev), entry = l + step;
     // Wide enough for the bound on F, and for what l itself is rounded by.
-    const Lanes centre = load(&queue.centre[i]);
-    const Lanes width = fma(32 * kU * here.size, per_slope, 4 * kU * (abs(centre + next) + abs(centre)));
-    // Where F bends within the bracket its secant is no polish: those lines are left to the next tier.
-    store(&queue.width[i], select(64 * abs(ddf) * width < here.df, width, all(kInfinity)));
-  }
-}
+    const Lanes size_g = abs(g) + 16 * kU;
+    const Lanes size = fma(nine_v, size_g, square);
+    const Lanes width = fma(32 * kU * size, per_slope, 4 * kU * abs(entry));
+    const Lanes reach = abs(step) + width, rise = abs(k) * reach, rise_t = rise * per_t;
 
-/// The proof: outside before a bracket about the approximation, inside behind it. The solid is convex, so a
-/// line that goes in is met nowhere else going in. Leaves l.
-void certify(const Frame& frame, Queue& queue) {
-  for (std::size_t i = 0; i < queue.size; i += kLanes) {
-    const Lanes centre = load(&queue.centre[i]), delta = load(&queue.entry[i]);
-    const Lanes l = centre + delta;
-    const Lanes width = load(&queue.width[i]);
-    const Lanes low = l - width, high = l + width;
-    const Sign a = sign_at(frame, queue, i, low);
-    const Sign b = sign_at(frame, queue, i, high);
-    const Mask outside = a.f < -a.error;
-    const Mask inside = ~b.beside & (b.f > b.error);
+    const Lanes rounded =
+        fma(nine_v * size_g, fma(v, all(3.0), fma(t, all(3.0), all(9.0))), 9 * (rho + square));
+    const Lanes rounded_slope = fma(rise, all(128 * frame.nine_m2), 96 * flat * (reach * reach));
+    const Lanes third = 2.125 * frame.nine_m2 * rise_t * (rise_t * rise_t);
+    const Lanes neglected = fma(abs(left), all(0.15625), third);
+    const Lanes error = fma(rounded + rounded_slope, all(kU), neglected) + kTiny;
+
+    const Mask near =
+        (df > 0) & (16 * abs(half_ddf) * reach <= df) & (16 * rise <= v) & (v + rise <= 1 - 16 * kU);
     // A bracket that holds the origin does not say whether the hit is ahead of it.
-    const Mask decided = (low > 0) | (high < 0);
-    // Inside the bracket F is a line to all digits that matter: its zero from the values at both ends.
-    const Lanes better = 0.5 * (low + high) - 0.5 * (a.f + b.f) * load(&queue.per_slope[i]);
-    const Lanes entry = select((better >= low) & (better <= high), better, l);
-    const Mask found = outside & inside & decided & (low < high), missed = delta == kInfinity;
-    store(&queue.entry[i], select(missed, delta, select(found, entry, all(kOpen))));
+    const Mask decided = abs(entry) > width;
+    // What is neglected counts less in l than what is rounded.
+    const Mask small = (error < 24 * kU * size) & (neglected < 0.5 * kU * size);
+    const Mask found = near & decided & small;
+    store(&search.entry[i], select(l == kInfinity, l, select(found, entry, all(kOpen))));
   }
 }
 
-void find(const Frame& frame, bool is_hard, Queue& queue) {
+template <bool kReversed>
+void find(const Frame& frame, bool is_hard, const Lines& lines, Search& search) {
   if (is_hard) {
-    guess_hard(frame, queue);
+    guess_hard<kReversed>(frame, lines, search);
   } else {
-    guess(frame, queue);
+    guess<kReversed>(frame, lines, search);
   }
-  polish(frame, queue);
-  certify(frame, queue);
+  certify<kReversed>(frame, lines, search);
 }
 
-/// From what is proved of lines, where they enter and leave the solid, to what is proved of rays.
-[[gnu::always_inline]] inline void decide(Lanes in, Lanes out, Lanes back, Mask both, std::size_t i,
-                                          Block& block) {
+/// Of the lines, those that enter behind the origin: their first hit is where they leave.
+void collect_behind(Block& block) {
+  const Lines& from = block.lines;
+  Lines& to = block.behind;
+  to.size = 0;
+  for (std::size_t i = 0; i < from.size; i += kFloats) {
+    const unsigned low = to_bits(load(&block.entries.entry[i]) <= 0);
+    unsigned behind = low | to_bits(load(&block.entries.entry[i + kLanes]) <= 0) << kLanes;
+    if (from.size - i < kFloats) behind &= (1U << (from.size - i)) - 1;
+    for (; behind != 0; behind &= behind - 1) {
+      const std::size_t line = i + static_cast<unsigned>(__builtin_ctz(behind)), next = to.size++;
+      to.ray[next] = from.ray[line];
+      to.middle[next] = from.middle[line];
+      to.half2[next] = from.half2[line];
+      block.place[next] = static_cast<std::int32_t>(line);
+    }
+  }
+}
+
+/// From what is proved of lines, where they enter and leave the solid, to what is proved of rays. Returns a
+/// bit for each that is open.
+[[gnu::always_inline]] inline unsigned decide(Lanes in, Lanes out, Lanes back, Mask both, std::size_t i,
+                                              Block& block) {
   const Mask missed = (in == kInfinity) | (out == -kInfinity);
   const Mask ahead = in > 0, gone = out < 0;
   const Lanes first = select(ahead, in, out) * back, second = out * back;
@@ -481,68 +485,82 @@ void find(const Frame& frame, bool is_hard, Queue& queue) {
   const Mask second_fits = ~both | ~ahead | (second < kInfinity);
   // The first hit needs no exit.
   const Mask ordered = (in < out) | (~both & ahead & (out != out));
-  const Mask known = ordered & (ahead | (out < kInfinity)) & first_fits & second_fits;
+  const Mask known = missed | (ordered & (ahead | (out < kInfinity)) & first_fits & second_fits);
   const Lanes some = select(both & ahead, all(2.0), all(1.0));
-  const Lanes count = select(gone, Lanes{}, some);
+  const Lanes count = select(missed | gone, Lanes{}, some);
   store(&block.first[i], first);
   store(&block.second[i], second);
-  store_bytes(&block.hits[i], select(missed, Lanes{}, select(known, count, all(-1.0))));
+  store(&block.hits[i], select(known, count, all(-1.0)));
+  return to_bits(~known);
 }
 
-/// Answers of the rays that were queued; returns how many are open.
-std::size_t conclude(bool wants_both, Block& block, const TeardropAnswers& to) {
-  const Queue &entries = block.entries, &exits = block.exits;
-  const Mask both = all(wants_both ? 1.0 : 0.0) > 0;
-  if (exits.size == 0) {
-    for (std::size_t i = 0; i < entries.size; i += kLanes)
-      decide(load(&entries.entry[i]), all(kInfinity), load(&entries.back[i]), both, i, block);
-  } else {
-    for (std::size_t i = 0; i < entries.size; ++i) block.out[entries.ray[i]] = kInfinity;
-    for (std::size_t i = 0; i < exits.size; ++i) block.out[exits.ray[i]] = -exits.entry[i];
-    for (std::size_t i = 0; i < entries.size; i += kLanes) {
-      Lanes out;
-      for (std::size_t k = 0; k < kLanes; ++k) out[k] = block.out[entries.ray[i + k]];
-      decide(load(&entries.entry[i]), out, load(&entries.back[i]), both, i, block);
-    }
-  }
-  // By names of their own: the compiler cannot know that bytes do not overlap them.
-  const std::size_t size = entries.size;
-  std::int8_t* const hits = to.hits;
-  double* const first = to.first;
+/// What is proved of the lines, by their own order; returns how many are open.
+std::size_t decide_all(const TeardropBatch& batch, bool scaled, Block& block) {
+  const std::size_t size = block.lines.size;
+  const Mask both = all(batch.both ? 1.0 : 0.0) > 0;
   std::size_t open = 0;
-  for (std::size_t i = 0; i < size; ++i) {
-    const std::int32_t ray = entries.ray[i];
-    hits[ray] = block.hits[i];
-    first[ray] = block.first[i];
-    open += block.hits[i] < 0 ? 1 : 0;
+  for (std::size_t i = 0; i < size; i += kLanes) {
+    const Lanes back = scaled ? load(&block.lines.back[i]) : all(batch.unit);
+    unsigned bits = decide(load(&block.entries.entry[i]), load(&block.out[i]), back, both, i, block);
+    if (size - i < kLanes) bits &= (1U << (size - i)) - 1;
+    open += static_cast<unsigned>(__builtin_popcount(bits));
   }
-  for (std::size_t i = 0; wants_both && i < entries.size; ++i) to.second[entries.ray[i]] = block.second[i];
   return open;
+}
+
+/// Answers of all rays of the block from those of its lines.
+void spread(const TeardropBatch& batch, const Block& block, const TeardropAnswers& to) {
+  std::size_t line = 0;
+  const auto put = [&](unsigned left, std::int8_t* hits, double* first, double* second) {
+    for (unsigned k = 0; k < kFloats; k += kLanes) {
+      const unsigned bits = left >> k & ((1U << kLanes) - 1);
+      store_bytes(hits + k, load_selected(&block.hits[line], bits));
+      store(first + k, load_selected(&block.first[line], bits));
+      if (batch.both) store(second + k, load_selected(&block.second[line], bits));
+      line += static_cast<unsigned>(__builtin_popcount(bits));
+    }
+  };
+  std::size_t ray = 0;
+  for (; ray + kFloats <= batch.count; ray += kFloats)
+    put(block.left[ray / kFloats], to.hits + ray, to.first + ray, to.second + ray);
+  if (ray == batch.count) return;
+  std::int8_t hits[kFloats];
+  double first[kFloats], second[kFloats];
+  put(block.left[ray / kFloats], hits, first, second);
+  const std::size_t some = batch.count - ray;
+  __builtin_memcpy(to.hits + ray, hits, some);
+  __builtin_memcpy(to.first + ray, first, some * sizeof *first);
+  if (batch.both) __builtin_memcpy(to.second + ray, second, some * sizeof *second);
+}
+
+/// Where lines leave, as far as that is asked for.
+void find_exits(const Frame& frame, const TeardropBatch& batch, bool is_hard, bool scaled, Block& block) {
+  const Lines& lines = block.lines;
+  // A line that is hard to see from one side may be easy to see from the other.
+  if (batch.both || is_hard) {
+    find<true>(frame, is_hard, lines, block.exits);
+    for (std::size_t i = 0; i < lines.size; i += kLanes) store(&block.out[i], -load(&block.exits.entry[i]));
+    return;
+  }
+  for (std::size_t i = 0; i < lines.size; i += kLanes) store(&block.out[i], all(kInfinity));
+  collect_behind(block);
+  if (block.behind.size == 0) return;
+  gather(batch, scaled, block.behind);
+  find<true>(frame, is_hard, block.behind, block.exits);
+  for (std::size_t i = 0; i < block.behind.size; ++i) block.out[block.place[i]] = -block.exits.entry[i];
 }
 
 /// At most kBlock rays; returns how many it leaves open.
 std::size_t solve_block(const Frame& frame, const TeardropBatch& batch, bool is_hard, Block& block,
                         const TeardropAnswers& to) {
-  Queue &entries = block.entries, &exits = block.exits;
-  entries.size = exits.size = 0;
-  __builtin_memset(to.hits, 0, batch.count);
-  for_groups<kFloats>(&batch.rays->o.x, batch.count,
-                      [&](const double* rays, std::size_t at, std::size_t count) {
-                        cull(frame, batch, rays, at, count, entries);
-                      });
-  // A line that is hard to see from one side may be easy to see from the other.
-  const bool leaving = batch.both || is_hard;
-  file<false>(frame, batch, entries, leaving ? nullptr : &exits);
-  find(frame, is_hard, entries);
-  if (leaving) {
-    __builtin_memcpy(exits.ray, entries.ray, entries.size * sizeof *exits.ray);
-    exits.size = entries.size;
-  }
-  if (exits.size > 0) {
-    file<true>(frame, batch, exits, nullptr);
-    find(frame, is_hard, exits);
-  }
-  return conclude(batch.both, block, to);
+  const bool scaled = is_hard || !cull_all<false>(frame, batch, block);
+  if (scaled) cull_all<true>(frame, batch, block);
+  gather(batch, scaled, block.lines);
+  find<false>(frame, is_hard, block.lines, block.entries);
+  find_exits(frame, batch, is_hard, scaled, block);
+  const std::size_t open = decide_all(batch, scaled, block);
+  spread(batch, block, to);
+  return open;
 }
 
 /// Rays that are not in one place, and their answers.

@@ -211,7 +211,12 @@ alignas(32) inline constexpr std::int32_t kFront[16][8] = {
     {4, 5, 0, 1, 2, 3, 6, 7}, {0, 1, 4, 5, 2, 3, 6, 7}, {2, 3, 4, 5, 0, 1, 6, 7}, {0, 1, 2, 3, 4, 5, 6, 7},
     {6, 7, 0, 1, 2, 3, 4, 5}, {0, 1, 6, 7, 2, 3, 4, 5}, {2, 3, 6, 7, 0, 1, 4, 5}, {0, 1, 2, 3, 6, 7, 4, 5},
     {4, 5, 6, 7, 0, 1, 2, 3}, {0, 1, 4, 5, 6, 7, 2, 3}, {2, 3, 4, 5, 6, 7, 0, 1}, {0, 1, 2, 3, 4, 5, 6, 7}};
-/// The same of four 32-bit lanes.
+/// And back: which of the 32-bit parts at the front go to each of four 64-bit lanes, for the lowest three
+/// bits.
+alignas(32) inline constexpr std::int32_t kBack[8][8] = {
+    {0, 1, 0, 1, 0, 1, 0, 1}, {0, 1, 2, 3, 2, 3, 2, 3}, {0, 1, 0, 1, 2, 3, 2, 3}, {0, 1, 2, 3, 4, 5, 4, 5},
+    {0, 1, 0, 1, 0, 1, 2, 3}, {0, 1, 2, 3, 2, 3, 4, 5}, {0, 1, 0, 1, 2, 3, 4, 5}, {0, 1, 2, 3, 4, 5, 6, 7}};
+/// kFront of four 32-bit lanes.
 alignas(16) inline constexpr std::int32_t kFront4[16][4] = {
     {0, 1, 2, 3}, {0, 1, 2, 3}, {1, 0, 2, 3}, {0, 1, 2, 3}, {2, 0, 1, 3}, {0, 2, 1, 3},
     {1, 2, 0, 3}, {0, 1, 2, 3}, {3, 0, 1, 2}, {0, 3, 1, 2}, {1, 3, 0, 2}, {0, 1, 3, 2},
@@ -221,7 +226,8 @@ alignas(16) inline constexpr std::int32_t kFront4[16][4] = {
 /// Writes the lanes whose bits are set to `to`, one after another; memory for kLanes doubles is written.
 inline void store_selected(double* to, unsigned bits, Lanes x) {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
-  store(to, _mm512_maskz_compress_pd(static_cast<__mmask8>(bits), x));
+  // Not the zeroing form: it waits for whatever its register held before.
+  store(to, _mm512_mask_compress_pd(x, static_cast<__mmask8>(bits), x));
 #elif defined(__AVX2__) && defined(__FMA__)
   const __m256i order = _mm256_load_si256(reinterpret_cast<const __m256i*>(kFront[bits]));
   store(to, _mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(x), order)));
@@ -236,7 +242,7 @@ inline void store_selected(double* to, unsigned bits, Lanes x) {
 /// The same for kFloats floats.
 inline void store_selected(float* to, unsigned bits, Floats x) {
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
-  store(to, _mm512_maskz_compress_ps(static_cast<__mmask16>(bits), x));
+  store(to, _mm512_mask_compress_ps(x, static_cast<__mmask16>(bits), x));
 #elif defined(__AVX2__) && defined(__FMA__)
   const auto front = [](__m128 half, unsigned four) {
     return _mm_permutevar_ps(half, _mm_load_si128(reinterpret_cast<const __m128i*>(kFront4[four])));
@@ -257,7 +263,7 @@ inline void store_selected_numbers(std::int32_t* to, unsigned bits, std::int32_t
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
   const __m512i numbers = _mm512_add_epi32(
       _mm512_set1_epi32(first), _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0));
-  _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), numbers));
+  _mm512_storeu_si512(to, _mm512_mask_compress_epi32(numbers, static_cast<__mmask16>(bits), numbers));
 #elif defined(__AVX2__) && defined(__FMA__)
   const __m256i numbers =
       _mm256_add_epi32(_mm256_set1_epi32(first), _mm256_set_epi32(7, 6, 5, 4, 3, 2, 1, 0));
@@ -270,6 +276,29 @@ inline void store_selected_numbers(std::int32_t* to, unsigned bits, std::int32_t
     to[next] = first + i;
     next += static_cast<int>(bits >> static_cast<unsigned>(i) & 1U);
   }
+#endif
+}
+
+/// Reads what store_selected wrote: lanes whose bits are set take the numbers from `from` on, the others are
+/// zero; memory of kLanes doubles is read.
+inline Lanes load_selected(const double* from, unsigned bits) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  const __m512d x = load(from);
+  return _mm512_maskz_mov_pd(static_cast<__mmask8>(bits),
+                             _mm512_mask_expand_pd(x, static_cast<__mmask8>(bits), x));
+#elif defined(__AVX2__) && defined(__FMA__)
+  const __m256i order = _mm256_load_si256(reinterpret_cast<const __m256i*>(kBack[bits & 7]));
+  const __m256i one = _mm256_set_epi64x(8, 4, 2, 1);
+  const __m256i chosen = _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(bits), one), one);
+  const __m256 spread = _mm256_permutevar8x32_ps(_mm256_castpd_ps(load(from)), order);
+  return _mm256_and_pd(_mm256_castps_pd(spread), _mm256_castsi256_pd(chosen));
+#else
+  Lanes x{};
+  for (int i = 0; i < kLanes; ++i) {
+    const bool chosen = (bits >> static_cast<unsigned>(i) & 1U) != 0;
+    if (chosen) x[i] = *from++;
+  }
+  return x;
 #endif
 }
 

@@ -79,6 +79,13 @@ TEST(Lanes, MasksSelectByLaneAndBecomeBits) {
         EXPECT_EQ(packed[next++], 4);
       }
     }
+    for (std::size_t k = 0; k < packed.size(); ++k) packed[k] = static_cast<double>(k + 1);
+    const Lanes back = load_selected(packed.data(), wanted);
+    next = 0;
+    for (int k = 0; k < kLanes; ++k) {
+      const bool is_set = (wanted >> static_cast<unsigned>(k) & 1U) != 0;
+      EXPECT_EQ(back[k], is_set ? packed[next++] : 0);
+    }
   }
 }
 
