@@ -121,7 +121,8 @@ Lanes outermost(const BezierBatch& batch, bool top) {
 
 /// Across: m[i][k] becomes m[k][i].
 [[gnu::always_inline]] inline void turn(Lanes (&m)[kLanes]) {
-  const auto swap = [&m](std::size_t step, auto low, auto high) __attribute__((always_inline)) {
+  [[maybe_unused]] const auto swap = [&m](std::size_t step, auto low, auto high)
+      __attribute__((always_inline)) {
     for (std::size_t i = 0; i < kLanes; ++i) {
       if ((i & step) != 0) continue;
       const Lanes a = m[i], b = m[i + step];
@@ -146,7 +147,7 @@ Lanes outermost(const BezierBatch& batch, bool top) {
   swap(
       2, [](Lanes a, Lanes b) { return __builtin_shufflevector(a, b, 0, 1, 4, 5); },
       [](Lanes a, Lanes b) { return __builtin_shufflevector(a, b, 2, 3, 6, 7); });
-#else
+#elif !defined(GRAZE_COUNTED_LANES)  // one lane has nothing to turn
   swap(
       1, [](Lanes a, Lanes b) { return __builtin_shufflevector(a, b, 0, 2); },
       [](Lanes a, Lanes b) { return __builtin_shufflevector(a, b, 1, 3); });

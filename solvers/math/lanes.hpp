@@ -7,11 +7,16 @@
 //
 // needs     GCC or clang vector extensions; the instruction set is the one that the compiler was told
 // cost      one instruction an operation; fma without hardware support is the C library's, a lane at a time.
-//           Floats are twice as many: for filters with bounds of their own, and for guesses
+//           Floats are twice as many: for filters with bounds of their own, and for guesses. With
+//           GRAZE_COUNTED_LANES they are lanes_counting.hpp's, which count instead
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+
+#if defined(GRAZE_COUNTED_LANES)
+#include <graze/solvers/math/lanes_counting.hpp>
+#else
 
 #if defined(__AVX512F__) && defined(__AVX512DQ__)
 #define GRAZE_LANES avx512
@@ -197,13 +202,6 @@ inline unsigned to_bits(FloatMask mask) {
 #endif
 }
 
-/// 2^-floor(log2 x) for normal x > 0, exactly.
-inline Lanes reciprocal_power(Lanes x) {
-  constexpr std::int64_t kExponent = 0x7ff0'0000'0000'0000;
-  constexpr std::int64_t kTwiceBias = 0x7fe0'0000'0000'0000;  // exponent bits of 2^e and 2^-e add up to it
-  return from_bits(kTwiceBias - (bits_of(x) & kExponent));
-}
-
 #if defined(__AVX2__) && !defined(__AVX512F__)
 /// For four bits: which of eight 32-bit parts of four 64-bit lanes go to the front, in order.
 alignas(32) inline constexpr std::int32_t kFront[16][8] = {
@@ -358,7 +356,20 @@ template <class Record>
   }
 #endif
 }
-/// The same for records that follow one another: to[i][k] = from[6 k + i].
+}  // namespace graze::GRAZE_LANES
+
+#endif
+
+namespace graze::GRAZE_LANES {
+
+/// 2^-floor(log2 x) for normal x > 0, exactly.
+inline Lanes reciprocal_power(Lanes x) {
+  constexpr std::int64_t kExponent = 0x7ff0'0000'0000'0000;
+  constexpr std::int64_t kTwiceBias = 0x7fe0'0000'0000'0000;  // exponent bits of 2^e and 2^-e add up to it
+  return from_bits(kTwiceBias - (bits_of(x) & kExponent));
+}
+
+/// As load_records_at, for records that follow one another: to[i][k] = from[6 k + i].
 inline void load_records(const double* from, Lanes (&to)[6]) {
   load_records_at([from](std::size_t k) { return from + 6 * k; }, to);
 }
