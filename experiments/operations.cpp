@@ -1,7 +1,6 @@
 #include "operations.hpp"
 
-#include <algorithm>
-
+#include <graze/experiments/counted_kernel.hpp>
 #include <graze/experiments/counted_solver.hpp>
 
 #include "peers.hpp"
@@ -62,35 +61,54 @@ class MeteredSolver final : public AnySolver {
   Meter& meter_;
 };
 
-bool has_kernel(const SurfaceEntry& surface, std::string_view solver, std::string_view formulation) {
-  return std::any_of(surface.kernels.begin(), surface.kernels.end(), [&](const KernelEntry& kernel) {
-    return kernel.solver == solver && kernel.formulation == formulation;
-  });
+/// The kernel of the cell, if any.
+KernelEntry* kernel_of(SurfaceEntry& surface, std::string_view solver, std::string_view formulation) {
+  for (KernelEntry& kernel : surface.kernels) {
+    if (kernel.solver == solver && kernel.formulation == formulation) return &kernel;
+  }
+  return nullptr;
 }
+
+/// What is run in place of a cell.
+struct CountedCell {
+  SolverEntry solver;
+  SurfaceEntry surface;
+
+  /// Puts in what counts; false where nothing does.
+  bool take(const SolverSpec& spec, std::string_view formulation, Meter& meter) {
+    const Pairing pairing = pair_up(solver, surface, formulation, spec.precision);
+    if (pairing.precision != Precision::binary64) return false;
+    const std::string_view name = surface.formulations[pairing.formulation].name;
+    if (KernelEntry* const kernel = kernel_of(surface, spec.name, name)) {
+      const KernelEntry* const counted = find_counted_kernel(surface.name, spec.name, name);
+      if (counted != nullptr) *kernel = *counted;
+      return counted != nullptr;
+    }
+    const auto counted = make_counted_solver(spec.name, spec.options);
+    if (counted == nullptr || !counted->takes(pairing.form)) return false;
+    solver.make = [&meter, &spec](const Parameters& options) -> std::unique_ptr<AnySolver> {
+      return std::make_unique<MeteredSolver>(make_counted_solver(spec.name, options), meter);
+    };
+    return true;
+  }
+};
 
 }  // namespace
 
 std::optional<OperationTotals> count_operations(const SurfaceSpec& surface, std::string_view formulation,
                                                 const SolverSpec& solver, std::span<const Ray> rays,
                                                 Query query) {
-  const auto counted = make_counted_solver(solver.name, solver.options);
-  if (counted == nullptr || rays.empty()) return std::nullopt;
-  SolverEntry entry = find_solver_or_peer(solver.name);
-  const SurfaceEntry seen = seen_by(entry, find_surface(surface.type), query);
-  const Pairing pairing = pair_up(entry, seen, formulation, solver.precision);
-  const std::string_view name = seen.formulations[pairing.formulation].name;
-  if (pairing.precision != Precision::binary64 || !counted->takes(pairing.form) ||
-      has_kernel(seen, solver.name, name))
-    return std::nullopt;
-
+  if (rays.empty()) return std::nullopt;
   Meter meter;
-  entry.make = [&meter, &solver](const Parameters& options) -> std::unique_ptr<AnySolver> {
-    return std::make_unique<MeteredSolver>(make_counted_solver(solver.name, options), meter);
-  };
+  const SolverEntry& entry = find_solver_or_peer(solver.name);
+  CountedCell cell{entry, seen_by(entry, find_surface(surface.type), query)};
+  if (!cell.take(solver, formulation, meter)) return std::nullopt;
   Scene scene;
-  scene.add(seen, surface, entry, {solver.options, std::string(formulation), solver.precision});
+  scene.add(cell.surface, surface, cell.solver, {solver.options, std::string(formulation), solver.precision});
   Scene::Workspace work;
   HitBuffer hits;
+  // Lanes count here; solvers in numbers that count do so by themselves.
+  const counting::CountingScope scope(meter.totals.count);
   scene.intersect(rays, query, {}, work, hits);
   if (!meter.is_complete) return std::nullopt;
   meter.totals.rays = rays.size();

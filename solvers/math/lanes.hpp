@@ -16,6 +16,7 @@
 
 #if defined(GRAZE_COUNTED_LANES)
 #include <graze/solvers/math/lanes_counting.hpp>
+#define GRAZE_LANES counting
 #else
 
 #if defined(__AVX512F__) && defined(__AVX512DQ__)

@@ -18,8 +18,6 @@
 
 #include <graze/solvers/math/counting.hpp>
 
-#define GRAZE_LANES counting
-
 namespace graze::counting {
 
 /// Operations of lanes on this thread are added to `count` while it lives; the innermost one counts.

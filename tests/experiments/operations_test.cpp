@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <graze/experiments/counted_kernel.hpp>
 #include <graze/experiments/counted_solver.hpp>
 #include <graze/solvers/math/cubic.hpp>
 #include <graze/solvers/math/quartic.hpp>
@@ -339,16 +340,181 @@ TEST(CountedCells, CountsAreDeterministicAndAddUpOverRays) {
 
 TEST(CountedCells, WhatCannotBeCountedIsAbsent) {
   const std::string torus = "torus:R=1,r=0.25";
-  EXPECT_FALSE(cell(torus, "certified").has_value());
+  EXPECT_FALSE(cell(torus, "certified", "quartic").has_value());  // no kernel's formulation
   EXPECT_FALSE(cell(torus, "interval_bisection").has_value());
   // The change from the Bernstein basis is made in double.
   const std::string bezier = "bezier_revolution:control_points=[[0,0],[2,0],[3,2],[0,6]]";
   EXPECT_FALSE(cell(bezier, "companion").has_value());
+  EXPECT_FALSE(cell(bezier, "faithful").has_value());
   SolverSpec in_float = parse_solver("companion");
   in_float.precision = Precision::binary32;
   const SurfaceSpec spec = surface(torus);
   EXPECT_FALSE(count_operations(spec, "", in_float, rays_at(spec, 10), Query::all).has_value());
   EXPECT_FALSE(count_operations(spec, "", parse_solver("companion"), {}, Query::all).has_value());
+}
+
+// -------------------------------------------------------------------------------------------------- kernels
+
+/// Surfaces of every type with a kernel: on and off the origin, and what their kernels tell apart.
+constexpr std::string_view kSurfaces[] = {
+    "teardrop:s=1",
+    "teardrop:s=0.3",
+    "bezier_revolution:control_points=[[0,0],[2,0],[3,2],[0,6]]",
+    "bezier_revolution:control_points=[[0,0],[1,0],[4,3],[0.5,5],[1,7],[0,8],[0,9]]",
+    "sphere:radius=1,center=[0,0,0]",
+    "sphere:radius=0.7,center=[1,2,3]",
+    "ellipsoid:semi_axes=[3,1,2],center=[0,0,0]",
+    "ellipsoid:semi_axes=[1,2,3],center=[1,2,3]",
+    "quadric:A=1,E=-1,H=1,J=-1",
+    "quadric:A=1,G=-0.5,H=1",
+    "quadric:A=1e-3,B=2,C=-0.7,E=3,F=0.11,H=0.3,J=-1",
+    "torus:R=1,r=0.25",
+    "torus:R=1,r=1.5"};
+
+/// Rays from inside, near and far, at points on the surface, beside it, and almost along it.
+std::vector<Ray> mixed_rays(const AnySurface& on, std::size_t count) {
+  Rng rng(kSeed);
+  std::vector<Ray> rays;
+  while (rays.size() < count) {
+    const auto near = on.sample(rng.uniform(0, 1), rng.uniform(0, 1)).point,
+               next = on.sample(rng.uniform(0, 1), rng.uniform(0, 1)).point;
+    const double away = std::ldexp(on.size(), static_cast<int>(rng.next() % 8) - 4);
+    const Vec3 aside{rng.uniform(-away, away), rng.uniform(-away, away), rng.uniform(-away, away)};
+    const Vec3 origin = near + aside;
+    const Vec3 target = rng.next() % 4 == 0 ? next + 0.01 * aside : next;
+    rays.push_back({origin, std::ldexp(1.0, static_cast<int>(rng.next() % 7) - 3) * (target - origin)});
+  }
+  return rays;
+}
+
+KernelAnswers answers_of(const KernelEntry& entry, const SurfaceSpec& spec, std::span<const Ray> rays,
+                         bool all) {
+  Parameters options;
+  options.set("instruction_set", "baseline");
+  const auto kernel = entry.make(options);
+  kernel->add(spec);
+  KernelAnswers answers;
+  kernel->intersect(rays, all, answers);
+  return answers;
+}
+
+void expect_same(const KernelAnswers& is, const KernelAnswers& wanted, const std::string& where) {
+  EXPECT_EQ(is.hits, wanted.hits) << where;
+  EXPECT_EQ(is.touching, wanted.touching) << where;
+  EXPECT_EQ(is.tier, wanted.tier) << where;
+  for (std::size_t i = 0; i < wanted.hits.size(); ++i) {
+    for (int k = 0; k < wanted.hits[i]; ++k) {
+      const auto rank = static_cast<std::size_t>(k);
+      EXPECT_EQ(is.l[rank][i], wanted.l[rank][i]) << where << ", ray " << i;
+    }
+  }
+}
+
+/// All do but one, whose hits double-doubles find a ray at a time.
+bool has_lanes(std::string_view surface, const KernelEntry& kernel) {
+  return surface != "bezier_revolution" || kernel.solver != "faithful";
+}
+
+TEST(CountedKernels, AnswerAsTheBaselineOnesBitForBit) {
+  std::size_t cells = 0;
+  for (const std::string_view text : kSurfaces) {
+    const SurfaceSpec spec = surface(text);
+    const SurfaceEntry& entry = find_surface(spec.type);
+    const std::vector<Ray> rays = mixed_rays(*entry.make(spec), 1000);
+    for (const KernelEntry& plain : entry.kernels) {
+      const KernelEntry* const counted = find_counted_kernel(spec.type, plain.solver, plain.formulation);
+      ASSERT_EQ(counted != nullptr, has_lanes(spec.type, plain)) << text << ", " << plain.solver;
+      if (counted == nullptr) continue;
+      for (const bool all : {false, true}) {
+        OperationCount count;
+        const counting::CountingScope scope(count);
+        const std::string where = std::string(text) + ", " + std::string(plain.solver) + (all ? ", all" : "");
+        expect_same(answers_of(*counted, spec, rays, all), answers_of(plain, spec, rays, all), where);
+        EXPECT_GT(count.flops(), 20 * rays.size()) << where;
+        std::printf("%s: %.1f operations\n", where.c_str(), static_cast<double>(count.flops()) / 1000);
+        ++cells;
+      }
+    }
+  }
+  EXPECT_EQ(cells > 0, !counted_kernel_registry().empty());
+}
+
+/// Lanes of `certified` on these rays at that sphere, first hit.
+OperationCount count_sphere(std::string_view text, std::span<const Ray> rays) {
+  const KernelEntry* const kernel = find_counted_kernel("sphere", "certified", "foot");
+  OperationCount count;
+  const counting::CountingScope scope(count);
+  const KernelAnswers answers = answers_of(*kernel, surface(text), rays, false);
+  for (const std::int8_t hits : answers.hits) EXPECT_EQ(hits, 1);
+  return count;
+}
+
+TEST(CountedKernels, ASphereAboutTheOriginTakesSixtyOneOperations) {
+  if (find_counted_kernel("sphere", "certified", "foot") == nullptr) GTEST_SKIP() << "not in this build";
+  const Ray ray{{-3, 0.25, 0.125}, {2, -0.25, -0.0625}};
+  const std::string_view centred = "sphere:radius=1,center=[0,0,0]";
+  // Units: 7 products. a, b, |o|^2 and their two at the foot: a product and 2 fma each. |o|^2 - r^2, 1/a, the
+  // foot's l and point: a sum, a quotient, a product, 3 fma. Discriminant: a square, a sum, an fma; its
+  // bound: a product, 2 fma; its root. Both hits: a sum and an fma each. Whether b's sign is sure: 3
+  // products. l in the caller's units: a product. Comparisons: the largest of |d_i| 2, the filter 8, the
+  // range of l 2.
+  const OperationCount once{.additions = 4,
+                            .multiplications = 19,
+                            .divisions = 1,
+                            .square_roots = 1,
+                            .comparisons = 12,
+                            .fused = 18};
+  EXPECT_EQ(count_sphere(centred, {&ray, 1}), once);
+  EXPECT_EQ(once.flops(), 61U);
+  // Three of them: three times as much, whatever a vector holds.
+  const std::array<Ray, 3> rays{ray, ray, ray};
+  OperationCount three = once;
+  three += once;
+  three += once;
+  EXPECT_EQ(count_sphere(centred, rays), three);
+  // Off the origin: o - c with its rest in 6 sums a coordinate, and the rest once more at the foot.
+  OperationCount aside = once;
+  aside.additions += 3 * 6 + 3;
+  EXPECT_EQ(count_sphere("sphere:radius=1,center=[0.5,0,0]", {&ray, 1}), aside);
+}
+
+TEST(CountedKernels, CountNothingOutsideAScope) {
+  const KernelEntry* const kernel = find_counted_kernel("sphere", "certified", "foot");
+  if (kernel == nullptr) GTEST_SKIP() << "not in this build";
+  const SurfaceSpec spec = surface("sphere:radius=1,center=[0,0,0]");
+  const std::vector<Ray> rays = rays_at(spec, 10);
+  OperationCount outer, inner;
+  {
+    const counting::CountingScope scope(outer);
+    const counting::CountingScope nested(inner);
+    answers_of(*kernel, spec, rays, true);
+  }
+  const OperationCount before = inner;
+  answers_of(*kernel, spec, rays, true);
+  EXPECT_EQ(outer, OperationCount{});
+  EXPECT_EQ(inner, before);
+  EXPECT_GT(inner.flops(), 0U);
+}
+
+TEST(CountedKernels, CellsAddUpOverRays) {
+  for (const std::string_view text : kSurfaces) {
+    const SurfaceSpec spec = surface(text);
+    const std::vector<Ray> rays = rays_at(spec, 99);
+    for (const KernelEntry& kernel : find_surface(spec.type).kernels) {
+      if (!has_lanes(spec.type, kernel)) continue;
+      const SolverSpec solver = parse_solver(std::string(kernel.solver));
+      const auto count = [&](std::size_t from, std::size_t to) {
+        const auto totals =
+            count_operations(spec, "", solver, std::span(rays).subspan(from, to - from), Query::first);
+        EXPECT_TRUE(totals.has_value()) << text;
+        return totals.value_or(OperationTotals{}).count;
+      };
+      OperationCount sum = count(0, 37);
+      sum += count(37, 99);
+      EXPECT_EQ(sum, count(0, 99)) << text << ", " << kernel.solver;
+      EXPECT_GT(sum.flops(), 0U) << text << ", " << kernel.solver;
+    }
+  }
 }
 
 }  // namespace
