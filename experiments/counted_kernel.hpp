@@ -5,7 +5,8 @@
 // needs     a build with the kernel. The counting component compiles its sources under second names
 //           (experiments/CMakeLists.txt)
 // returns   the same answers, bit for bit, with the same tiers
-// error     none in the lanes: all their operations are counted, those of guesses in float and of tiers in
+// error     none in the lanes: all their operations are counted as the source has them, those of guesses in
+// float and of tiers in
 //           lanes of double-doubles too. What tiers in scalars do is not: the torus's and the Bezier
 //           profile's double-doubles, exact integers, and the solver itself where a kernel leaves a ray open.
 //           Where `faithful` finds every hit by such a tier (Bezier profiles), there is no counted kernel. A

@@ -1,4 +1,4 @@
-// What a ray costs in floating-point operations of the solver: a cost apart from any machine.
+// What a ray costs in floating-point operations of the solver or the kernel: a cost apart from any machine.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,8 @@ namespace graze {
 
 /// Totals over rays.
 struct OperationTotals {
-  OperationCount count;  ///< of the solver, all equations
+  /// Of the solver, all equations; of a kernel its lanes, from the ray's numbers to l (counted_kernel.hpp).
+  OperationCount count;
   /// Calls of a scalar equation's f or a system's F: their operations are the surface's and not in `count`. 0
   /// for polynomials, whose evaluations are the solver's own.
   std::uint64_t evaluations = 0;
@@ -25,10 +26,10 @@ struct OperationTotals {
   }
 };
 
-/// Runs the surface's rays through the same scene with the solver in numbers that count. Nothing where the
-/// cell cannot be counted: a kernel answers, form interval, float, equations in the Bernstein basis (whose
-/// change to powers is made in double), solvers that are no template over the number, peers. Throws as
-/// build_scene does.
+/// Runs the surface's rays through the same scene with the solver in numbers that count, or the kernel in
+/// lanes that do. Nothing where the cell cannot be counted: form interval, float, equations in the Bernstein
+/// basis (whose change to powers is made in double), solvers that are no template over the number, peers, and
+/// the kernel of Bezier profiles for `faithful`. Throws as build_scene does.
 std::optional<OperationTotals> count_operations(const SurfaceSpec& surface, std::string_view formulation,
                                                 const SolverSpec& solver, std::span<const Ray> rays,
                                                 Query query);

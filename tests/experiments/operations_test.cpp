@@ -1,6 +1,7 @@
 // Counted solvers give the plain ones' answers bit for bit, and counts that a hand can check.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -14,6 +15,7 @@
 #include <graze/solvers/math/rng.hpp>
 #include <graze/surfaces/registry.hpp>
 
+#include "cases.hpp"
 #include "operations.hpp"
 
 namespace graze {
@@ -476,6 +478,51 @@ TEST(CountedKernels, ASphereAboutTheOriginTakesSixtyOneOperations) {
   OperationCount aside = once;
   aside.additions += 3 * 6 + 3;
   EXPECT_EQ(count_sphere("sphere:radius=1,center=[0.5,0,0]", {&ray, 1}), aside);
+}
+
+/// Operations on the rays that `graze bench` counts by default.
+double camera_operations(std::string_view text, std::string_view solver) {
+  const SurfaceSpec spec = surface(text);
+  const auto made = find_surface(spec.type).make(spec);
+  constexpr std::size_t kRays = 1000;
+  std::vector<Ray> rays;
+  for (std::size_t block = 0; rays.size() < kRays; ++block) {
+    for (const CaseRay& ray : make_block(find_family("camera"), *made, 1, block, kCaseBlock))
+      rays.push_back(ray.ray);
+  }
+  const auto totals = count_operations(spec, "", parse_solver(solver), rays, Query::first);
+  return totals.has_value() ? totals->per_ray(totals->count.flops()) : 0;
+}
+
+TEST(CountedKernels, CameraRaysTakeWhatThePagesState) {
+  struct Stated {
+    std::string_view surface, solver;
+    double operations;
+  };
+  constexpr Stated kStated[] = {
+      {"teardrop:s=1", "certified", 552},
+      {"teardrop:s=1", "faithful", 702},
+      {"sphere:radius=1", "certified", 61},
+      {"sphere:radius=1", "faithful", 189},
+      {"ellipsoid:semi_axes=[1,2,0.5]", "certified", 75},
+      {"ellipsoid:semi_axes=[1,2,0.5]", "faithful", 212},
+      {"quadric:A=1,E=0.25,H=1,J=-1", "certified", 75},
+      {"quadric:A=1,E=0.25,H=1,J=-1", "faithful", 222},
+      {"quadric:A=1,E=-1,H=1,J=-1", "certified", 210},
+      {"quadric:A=1,E=-1,H=1,J=-1", "faithful", 349},
+      {"torus:R=1,r=0.25", "certified", 622},
+      {"torus:R=1,r=0.25", "faithful", 793},
+      {"bezier_revolution:control_points=[[0,0],[2,0],[3,2],[0,6]]", "certified", 1301}};
+  for (const Stated& stated : kStated) {
+    const auto& kernels = find_surface(surface(stated.surface).type).kernels;
+    const bool is_built = std::any_of(kernels.begin(), kernels.end(), [&](const KernelEntry& kernel) {
+      return kernel.solver == stated.solver;
+    });
+    if (!is_built) continue;
+    // 1 %: aiming the rays takes functions of the C library.
+    EXPECT_NEAR(camera_operations(stated.surface, stated.solver), stated.operations, 0.01 * stated.operations)
+        << stated.surface << ", " << stated.solver;
+  }
 }
 
 TEST(CountedKernels, CountNothingOutsideAScope) {
