@@ -12,15 +12,12 @@ namespace {
 constexpr double kU = 0x1p-53;
 constexpr double kInfinity = __builtin_inf();
 constexpr double kOpen = __builtin_nan("");
-constexpr double kTiny = 0x1p-960;  // far above what underflow can add to a bound, far below what matters
-constexpr std::size_t kBlock = 512;
+constexpr double kTiny = 0x1p-960;   // far above what underflow can add to a bound, far below what matters
+constexpr std::size_t kBlock = 512;  // few vectors are part empty; 128 to 512 were equally fast
 constexpr std::size_t kPadded = kBlock + kFloats;
 
 template <class V>
 using Scalar = std::remove_reference_t<decltype(V{}[0])>;
-/// Half the spacing of the numbers at 1.
-template <class S>
-constexpr S kUnit = sizeof(S) == sizeof(float) ? S(0x1p-24) : S(0x1p-53);
 
 /// The profile in v = y / 6m: R^2 = m^2 rho(v), rho = 9 v g^2, g = 2 - v - sqrt(v).
 struct Frame {
@@ -29,13 +26,12 @@ struct Frame {
   double per_height;  ///< 1 / 6m
   double per_height_tail;
   double nine_m2;  ///< 9 m^2
-  double nine_m2_tail;
-  double above;  ///< no point of the surface is higher
+  double above;    ///< no point of the surface is higher
   // The first majorant, an ellipsoid: |x_xz|^2 + stretch2 (y - middle)^2 <= radius2.
   float middle, stretch2, radius2;
 };
 
-/// rho <= r0 + r1 (v - at) + r2 (v - at)^2 on [0, 1]: tangent at `at`, through (1, 0).
+/// rho / 9 <= r0 + r1 (v - at) + r2 (v - at)^2 on [0, 1]: tangent at `at`, through (1, 0).
 template <class V>
 struct Majorant {
   V at, r0, r1, r2;
@@ -45,22 +41,32 @@ struct Majorant {
 template <class V>
 [[gnu::always_inline]] inline Majorant<V> majorant_at(V t) {
   const V v = t * t;
-  const V g = 2 - v - t;
-  const V turn = 2 - 3 * v - 2 * t;
+  const V g = 2 - v - t, turn = 2 - 3 * v - 2 * t;
   const V w = (2 + t) / (1 + t);
-  return {v, 9 * v * g * g, 9 * g * turn, -9 * w * (v * w + turn)};
+  return {v, v * g * g, g * turn, -w * (v * w + turn)};
 }
 
+/// Majorants are tangent at v from here to 1 less it: beyond, r0 and r1 have no digits.
+constexpr double kEdge = 0x1p-20;
 /// Of the tangent ellipsoid at v = 0.42, where the body is widest but for 1 %: the fewest lines are left.
 constexpr double kFirst = 0.648;
 
+/// (R^2)' in y, v = t^2 = y / 6m, is 1.5 m g turn.
+template <class V>
+[[gnu::always_inline]] inline V turn_at(V v, V t) {
+  using S = Scalar<V>;
+  return fma(v, all(S(-3)), fma(t, all(S(-2)), all(S(2))));
+}
+/// -(R^2)'' in y is bend / 4t.
+template <class V>
+[[gnu::always_inline]] inline V bend_at(V t) {
+  using S = Scalar<V>;
+  return fma(fma(fma(t, all(S(-6)), all(S(-7.5))), t, all(S(6))), t, all(S(3)));
+}
+
 Frame frame_of(double m) {
-  const double height = 6 * m, height_tail = __builtin_fma(6, m, -height);
-  const double per_height = 1 / height;
-  const double per_height_tail =
-      (__builtin_fma(-per_height, height, 1) - per_height * height_tail) * per_height;
-  const double m2 = m * m, m2_tail = __builtin_fma(m, m, -m2);
-  const double nine_m2 = 9 * m2;
+  const double height = 6 * m, height_tail = __builtin_fma(6, m, -height), per_height = 1 / height;
+  const double m2 = m * m, nine_m2 = 9 * m2;
   const Majorant<double> q = majorant_at(kFirst);
   const double widest = q.at - 0.5 * q.r1 / q.r2;
   // Wider by more than all roundings of these constants and of `cull`.
@@ -68,13 +74,12 @@ Frame frame_of(double m) {
   return {m,
           m2,
           per_height,
-          per_height_tail,
+          (__builtin_fma(-per_height, height, 1) - per_height * height_tail) * per_height,
           nine_m2,
-          __builtin_fma(9, m2, -nine_m2) + 9 * m2_tail,
           height * (1 + 8 * kU),
           static_cast<float>(height * widest),
-          static_cast<float>(-q.r2 / 36),
-          static_cast<float>(kMargin * m2 * (q.r0 - 0.25 * q.r1 * q.r1 / q.r2))};
+          static_cast<float>(-q.r2 / 4),
+          static_cast<float>(kMargin * nine_m2 * (q.r0 - 0.25 * q.r1 * q.r1 / q.r2))};
 }
 
 /// x where it is a number, else none: infinity says a proved miss, which a division by zero is not.
@@ -103,13 +108,12 @@ struct Search {
 
 struct Block {
   Lines lines;
-  Lines behind;  ///< of them: those that enter behind the origin, where the first hit is wanted
+  Lines rest;  ///< of them: those whose exits are looked for too, where the first hit is wanted
   Search entries, exits;
-  alignas(64) std::int32_t place[kPadded];  ///< of those behind, among the lines
-  unsigned left[kBlock / kFloats];          ///< a bit a ray: whether it is among the lines
-  alignas(64) double out[kPadded];          ///< where a line leaves; kInfinity: not asked for
   // What is proved of the rays of `lines`.
   alignas(64) double first[kPadded], second[kPadded], hits[kPadded];
+  std::size_t place[kPadded];       ///< of the rest, among the lines
+  unsigned left[kBlock / kFloats];  ///< a bit a ray: whether it is among the lines
 };
 
 template <class V>
@@ -118,69 +122,50 @@ struct Line {
 };
 
 /// A line against a majorant: m^2 Q(v(delta)) - |x_xz|^2 = a delta^2 + 2 b delta + c.
-template <class V>
 struct Quadratic {
-  V a, b, c, discriminant;
-  V error;  ///< of the discriminant: what it would have to exceed to be sure
-  V size;   ///< of b, nothing cancelled
+  Lanes a, b, c, discriminant;
+  Lanes error;  ///< of the discriminant: what it would have to exceed to be sure
+  Lanes size;   ///< of b, nothing cancelled
 };
 
-/// At most 24 roundings go into each of a, b, c, relative to the sums of their terms' sizes: those of p (2,
-/// of its `size`), of d and of the frame included, 8 for the majorant's coefficients. So each is within 32 u,
-/// and the discriminant within 64 u of the sizes' b^2 + a c; in a, the sum of two negative terms, nothing
-/// cancels.
-template <class V>
-[[gnu::always_inline]] inline Quadratic<V> against(const Frame& frame, const Line<V>& x, const V (&size)[3],
-                                                   const Majorant<V>& q) {
-  using S = Scalar<V>;
-  const S per_height = static_cast<S>(frame.per_height), m2 = static_cast<S>(frame.m2);
-  const V k = x.dy * per_height;
-  const V s = x.py * per_height - q.at;
-  const V size_s = size[1] * per_height + q.at;
-  const V flat = fma(x.dx, x.dx, x.dz * x.dz);
-  const V r1 = abs(q.r1), r2 = abs(q.r2);
-  const V a = m2 * q.r2 * k * k - flat;
-  const V b = m2 * fma(q.r2, s, S(0.5) * q.r1) * k - fma(x.px, x.dx, x.pz * x.dz);
-  const V c = m2 * fma(s, fma(q.r2, s, q.r1), q.r0) - fma(x.px, x.px, x.pz * x.pz);
-  const V size_b = m2 * fma(r2, size_s, r1) * abs(k) + fma(size[0], abs(x.dx), size[2] * abs(x.dz));
-  const V size_c =
-      m2 * fma(size_s, fma(r2, size_s, r1), q.r0 + r1 + r2) + fma(size[0], size[0], size[2] * size[2]);
-  return {a, b, c, fma(b, b, -(a * c)), 64 * kUnit<S> * fma(size_b, size_b, -a * size_c), size_b};
-}
-/// The same for a point that was rounded once.
-template <class V>
-[[gnu::always_inline]] inline Quadratic<V> against(const Frame& frame, const Line<V>& x,
-                                                   const Majorant<V>& q) {
-  return against(frame, x, {abs(x.px), abs(x.py), abs(x.pz)}, q);
+/// At most 24 roundings go into each of a, b, c, relative to the sums of their terms' sizes: that of p and
+/// those of the frame included, 8 for the majorant's coefficients. So each is within 32 u, and the
+/// discriminant within 64 u of the sizes' b^2 + a c; in a, the sum of two negative terms, nothing cancels.
+[[gnu::always_inline]] inline Quadratic against(const Frame& frame, const Line<Lanes>& x,
+                                                const Majorant<Lanes>& q) {
+  const Lanes k = x.dy * frame.per_height;
+  const Lanes s = x.py * frame.per_height - q.at;
+  const Lanes size_s = abs(x.py) * frame.per_height + q.at;
+  const Lanes flat = fma(x.dx, x.dx, x.dz * x.dz), square = fma(x.px, x.px, x.pz * x.pz);
+  const Lanes r1 = abs(q.r1), r2 = abs(q.r2);
+  const Lanes a = frame.nine_m2 * q.r2 * k * k - flat;
+  const Lanes b = frame.nine_m2 * fma(q.r2, s, 0.5 * q.r1) * k - fma(x.px, x.dx, x.pz * x.dz);
+  const Lanes c = frame.nine_m2 * fma(s, fma(q.r2, s, q.r1), q.r0) - square;
+  const Lanes size_b =
+      frame.nine_m2 * fma(r2, size_s, r1) * abs(k) + fma(abs(x.px), abs(x.dx), abs(x.pz * x.dz));
+  const Lanes size_c = frame.nine_m2 * fma(size_s, fma(r2, size_s, r1), q.r0 + r1 + r2) + square;
+  return {a, b, c, fma(b, b, -(a * c)), 64 * kU * fma(size_b, size_b, -a * size_c), size_b};
 }
 
-/// F and what it depends on at a height, for steps: no error bound.
+/// F and what it depends on at a point of a line, for steps: no error bound.
 template <class V>
 struct Local {
   V f, df;
-  V ddf_t;  ///< F'' t
+  V bend;  ///< -F'' t / 2
   V t;
-  V size;  ///< of f's terms, nothing cancelled
 };
 
 template <class V>
 [[gnu::always_inline]] inline Local<V> evaluate(const Frame& frame, const Line<V>& x, V delta) {
   using S = Scalar<V>;
-  constexpr S kLeast = S(0x1p-80);  // keeps 1/t a number
+  constexpr S kLeast = S(0x1p-80);  // v below would give denormal floats
   const S per_height = static_cast<S>(frame.per_height), nine_m2 = static_cast<S>(frame.nine_m2);
+  const S slope = static_cast<S>(1.5 * frame.m);
   const V px = fma(delta, x.dx, x.px), py = fma(delta, x.dy, x.py), pz = fma(delta, x.dz, x.pz);
-  const V v = max(py * per_height, all(kLeast));
-  const V k = x.dy * per_height;
-  const V t = sqrt(v);
-  const V g = 2 - v - t;
-  const V turn = 2 - 3 * v - 2 * t;
-  const V slope = nine_m2 * g * turn;
-  const V df = fma(slope, k, -2 * fma(px, x.dx, pz * x.dz));
-  // -F'' t = 9 m^2 ((t + 1/2) turn + g (3 t + 1)) k^2 + 2 |d_xz|^2 t: divided by t where it is wanted.
-  const V bend = nine_m2 * fma(t + S(0.5), turn, g * fma(t, all(S(3)), all(S(1))));
-  const V minus_ddf_t = fma(bend, k * k, 2 * t * fma(x.dx, x.dx, x.dz * x.dz));
-  return {fma(nine_m2 * v * g, g, -fma(px, px, pz * pz)), df, -minus_ddf_t, t,
-          fma(nine_m2 * v, abs(g) + 16 * kUnit<S>, fma(px, px, pz * pz))};
+  const V v = max(py * per_height, all(kLeast)), t = sqrt(v), g = 2 - v - t;
+  return {fma(nine_m2 * v * g, g, -fma(px, px, pz * pz)),
+          fma(all(S(-2)), fma(px, x.dx, pz * x.dz), slope * x.dy * g * turn_at(v, t)),
+          fma(S(0.125) * x.dy * x.dy, bend_at(t), t * fma(x.dx, x.dx, x.dz * x.dz)), t};
 }
 
 /// Scales directions by a power of two to 1 <= max |d_i| < 2; returns the power.
@@ -277,36 +262,53 @@ Line<Floats> floats_at(const Search& search, std::size_t i) {
           load(&search.q[0][i]), load(&search.q[1][i]), load(&search.q[2][i])};
 }
 
-/// A line against the majorant that is tangent near the height of one of its points.
-template <class V>
-[[gnu::always_inline]] inline Quadratic<V> against_local(const Frame& frame, const Line<V>& line, V delta) {
-  using S = Scalar<V>;
-  constexpr S kEdge = S(0x1p-20);
-  const V height = fma(delta, line.dy, line.py) * static_cast<S>(frame.per_height);
-  return against(frame, line, majorant_at(sqrt(min(max(height, all(kEdge)), all(1 - kEdge)))));
+/// A line against the majorant that is tangent at the height of one of its points.
+[[gnu::always_inline]] inline Quadratic against_local(const Frame& frame, const Line<Lanes>& line,
+                                                      Lanes delta) {
+  const Lanes v = fma(delta, line.dy, line.py) * frame.per_height;
+  return against(frame, line, majorant_at(sqrt(min(max(v, all(kEdge)), all(1 - kEdge)))));
 }
 
 /// A majorant step: it proves most of the misses that are left (kInfinity), and never passes the entry.
-template <class V>
-[[gnu::always_inline]] inline V step_by_majorant(const Frame& frame, const Line<V>& line, V delta) {
-  const Quadratic<V> q = against_local(frame, line, delta);
-  const V root = sqrt(max(q.discriminant, V{}));
-  const auto cancels = q.b > 0;
+[[gnu::always_inline]] inline Lanes step_by_majorant(const Frame& frame, const Line<Lanes>& line,
+                                                     Lanes delta) {
+  const Quadratic q = against_local(frame, line, delta);
+  const Lanes root = sqrt(max(q.discriminant, Lanes{}));
+  const Mask cancels = q.b > 0;
   // Of -b + root and -b - root the one without cancellation; the other root of the two by their product.
-  const V sum = select(cancels, -(q.b + root), root - q.b);
-  const V next = finite(select(cancels, q.c, sum) / select(cancels, sum, q.a));
-  return select((q.discriminant < -q.error) & (q.a < 0), all(static_cast<Scalar<V>>(kInfinity)), next);
+  const Lanes sum = select(cancels, -(q.b + root), root - q.b);
+  const Lanes next = finite(select(cancels, q.c, sum) / select(cancels, sum, q.a));
+  return select((q.discriminant < -q.error) & (q.a < 0), all(kInfinity), next);
 }
 
 /// Euler's step: the root of the local parabola, which bends the right way near a double root. A proved miss
 /// stays one.
-template <class V>
-[[gnu::always_inline]] inline V step_by_euler(const Frame& frame, const Line<V>& line, V delta) {
-  using S = Scalar<V>;
-  const Local<V> here = evaluate(frame, line, delta);
-  const V under = max(fma(here.df, here.df, -2 * here.f * (here.ddf_t / here.t)), V{});
-  const V next = finite(delta - 2 * here.f / (here.df + sqrt(under)));
-  return select(delta == static_cast<S>(kInfinity), delta, next);
+[[gnu::always_inline]] inline Lanes step_by_euler(const Frame& frame, const Line<Lanes>& line, Lanes delta) {
+  const Local<Lanes> here = evaluate(frame, line, delta);
+  const Lanes under = max(fma(here.df, here.df, 4 * here.f * (here.bend / here.t)), Lanes{});
+  const Lanes next = finite(delta - 2 * here.f / (here.df + sqrt(under)));
+  return select(delta == kInfinity, delta, next);
+}
+
+/// A majorant step from the point itself, as `step_by_majorant` but for a bound on the discriminant's error
+/// that takes the coefficients' greatest sizes, and for digits where the line goes away.
+[[gnu::always_inline]] inline Floats first_step(const Frame& frame, const Line<Floats>& line) {
+  constexpr auto kLowest = static_cast<float>(kEdge);
+  const auto per_height = static_cast<float>(frame.per_height), nine_m2 = static_cast<float>(frame.nine_m2);
+  const auto size_c = static_cast<float>(800 * frame.m2);
+  const Floats v = line.py * per_height, k = line.dy * per_height;
+  const Majorant<Floats> q = majorant_at(sqrt(min(max(v, all(kLowest)), all(1 - kLowest))));
+  const Floats s = v - q.at, r1 = nine_m2 * q.r1, r2 = nine_m2 * q.r2;
+  const Floats flat = fma(line.dx, line.dx, line.dz * line.dz);
+  const Floats square = fma(line.px, line.px, line.pz * line.pz);
+  const Floats a = fma(r2 * k, k, -flat);
+  const Floats b = fma(fma(r2, s, 0.5F * r1), k, -fma(line.px, line.dx, line.pz * line.dz));
+  const Floats c = fma(s, fma(r2, s, r1), nine_m2 * q.r0) - square;
+  const Floats discriminant = fma(b, b, -(a * c));
+  const Floats error = 0x1p-16F * fma(line.dy, line.dy, flat) * (square + size_c);
+  const Floats next = finite(-c / (b + sqrt(max(discriminant, Floats{}))));
+  const FloatMask missed = (discriminant < -error) & (a < 0) & (abs(s) <= 2);
+  return select(missed, all(static_cast<float>(kInfinity)), next);
 }
 
 /// Halley's step: one division.
@@ -314,7 +316,7 @@ template <class V>
                                                     Floats delta) {
   const Local<Floats> here = evaluate(frame, line, delta);
   const Floats rise = here.df * here.t;
-  const Floats next = finite(delta - 2 * here.f * rise / fma(2 * here.df, rise, -here.f * here.ddf_t));
+  const Floats next = finite(delta - here.f * rise / fma(here.df, rise, here.f * here.bend));
   return select(delta == static_cast<float>(kInfinity), delta, next);
 }
 
@@ -336,7 +338,7 @@ void guess(const Frame& frame, const Lines& lines, Search& search) {
     store(&search.q[0][i], line.dx);
     store(&search.q[1][i], line.dy);
     store(&search.q[2][i], line.dz);
-    store(&search.guess[i], step_by_majorant(frame, line, Floats{}));
+    store(&search.guess[i], first_step(frame, line));
   }
   for (std::size_t i = 0; i < lines.size; i += kFloats)
     store(&search.guess[i], step_by_halley(frame, floats_at(search, i), load(&search.guess[i])));
@@ -351,7 +353,7 @@ void guess(const Frame& frame, const Lines& lines, Search& search) {
 /// Whether a line is inside the majorant at the entry's height only below the bottom or above the apex.
 Mask passes_beside(const Frame& frame, const Line<Lanes>& line, Lanes delta) {
   constexpr double kMargin = 0x1p-40;  // far more than the roundings of 40 operations
-  const Quadratic<Lanes> q = against_local(frame, line, delta);
+  const Quadratic q = against_local(frame, line, delta);
   const Lanes root = sqrt(max(q.discriminant, Lanes{}) + q.error) + kMargin * q.size;
   const Lanes in = (root - q.b) / q.a * line.dy, out = -(q.b + root) / q.a * line.dy;
   const Lanes margin = kMargin * (abs(line.py) + abs(in) + abs(out));
@@ -376,7 +378,7 @@ void guess_hard(const Frame& frame, const Lines& lines, Search& search) {
     store(&search.centre[i], -fma(ray.px, ray.dx, fma(up, ray.dy, ray.pz * ray.dz)) / square);
   }
   each([&](const Line<Lanes>& line, Lanes) {
-    const Quadratic<Lanes> q = against(frame, line, majorant_at(all(kFirst)));
+    const Quadratic q = against(frame, line, majorant_at(all(kFirst)));
     return finite((sqrt(max(q.discriminant, Lanes{})) - q.b) / q.a);
   });
   for (int step = 0; step < kMajorants; ++step) {
@@ -399,47 +401,41 @@ void guess_hard(const Frame& frame, const Lines& lines, Search& search) {
 /// met nowhere else going in.
 template <bool kReversed>
 void certify(const Frame& frame, const Lines& lines, Search& search) {
+  const double per_m = 1 / frame.m, top = 6 * frame.m * (1 - 16 * kU);
   for (std::size_t i = 0; i < lines.size; i += kLanes) {
     const Lanes l = load(&search.entry[i]);
     const Line<Lanes> at = line_at<kReversed>(lines, i, l);
-    // v and 9 m^2 v with the tails of their constants: one rounding each beside that of y.
+    // g = 2 - v - t is all digits of the tip: v with the tail of its constant, and no rounding of 2 - v.
     const Lanes v = fma(at.py, all(frame.per_height), at.py * frame.per_height_tail);
-    const Lanes nine_v = fma(v, all(frame.nine_m2), v * frame.nine_m2_tail);
-    const Lanes t = sqrt(v), g = (1 - v) + (1 - t), turn = 2 - 3 * v - 2 * t;
-    const Lanes rho = nine_v * g * g, square = fma(at.px, at.px, at.pz * at.pz);
-    const Lanes f = rho - square;
-    const Lanes k = at.dy * frame.per_height, flat = fma(at.dx, at.dx, at.dz * at.dz);
-    const Lanes df = fma(frame.nine_m2 * g * turn, k, -2 * fma(at.px, at.dx, at.pz * at.dz));
-    const Lanes bend = frame.nine_m2 * fma(t + 0.5, turn, g * fma(t, all(3.0), all(1.0)));
+    const Lanes nine_v = at.py * (1.5 * frame.m);
+    const Lanes t = sqrt(v), g = (1 - v) + (1 - t);
+    const Lanes square = fma(at.px, at.px, at.pz * at.pz), flat = fma(at.dx, at.dx, at.dz * at.dz);
+    const Lanes f = fma(nine_v * g, g, -square);
+    const Lanes df =
+        fma(all(-2.0), fma(at.px, at.dx, at.pz * at.dz), at.dy * (1.5 * frame.m) * (g * turn_at(v, t)));
     // 1/t and 1/F' by one division.
     const Lanes per_both = 1 / (t * df);
     const Lanes per_t = per_both * df, per_slope = per_both * t;
-    const Lanes half_ddf = -fma(0.5 * bend * per_t, k * k, flat);
+    const Lanes half_ddf = -fma(0.125 * at.dy * at.dy, bend_at(t) * per_t, flat);
 
     const Lanes newton = f * per_slope;
     const Lanes chebyshev = -newton * fma(newton * half_ddf, per_slope, all(1.0));
     const Lanes left = fma(chebyshev, fma(chebyshev, half_ddf, df), f);
     const Lanes step = fma(-left, per_slope, chebyshev), entry = l + step;
     // Wide enough for the bound on F, and for what l itself is rounded by.
-    const Lanes size_g = abs(g) + 16 * kU;
-    const Lanes size = fma(nine_v, size_g, square);
-    const Lanes width = fma(32 * kU * size, per_slope, 4 * kU * abs(entry));
-    const Lanes reach = abs(step) + width, rise = abs(k) * reach, rise_t = rise * per_t;
-
-    const Lanes rounded =
-        fma(nine_v * size_g, fma(v, all(3.0), fma(t, all(3.0), all(9.0))), 9 * (rho + square));
-    const Lanes rounded_slope = fma(rise, all(128 * frame.nine_m2), 96 * flat * (reach * reach));
-    const Lanes third = 2.125 * frame.nine_m2 * rise_t * (rise_t * rise_t);
-    const Lanes neglected = fma(abs(left), all(0.15625), third);
-    const Lanes error = fma(rounded + rounded_slope, all(kU), neglected) + kTiny;
+    const Lanes allowed = 32 * kU * fma(nine_v, g + 16 * kU, square);
+    const Lanes width = fma(allowed, per_slope, 4 * kU * abs(entry));
+    const Lanes reach = abs(step) + width, rise = abs(at.dy) * reach, rise_t = rise * per_t;
+    // 256/3 of 5/32 |q| and of the third order, and 16/3 of 96 u of the rest (surfaces/teardrop.md): they are
+    // to be below 6 u S, and 32 u S is at hand.
+    const Lanes third = (7.5 * per_m) * rise_t * (rise_t * rise_t);
+    const Lanes rounded = fma(flat * reach, reach, fma(rise, all(2 * frame.m), abs(f)));
+    const Lanes error = fma(rounded, all(512 * kU), fma(abs(left), all(13.5), third)) + kTiny;
 
     const Mask near =
-        (df > 0) & (16 * abs(half_ddf) * reach <= df) & (16 * rise <= v) & (v + rise <= 1 - 16 * kU);
+        (df > 0) & (abs(half_ddf) * reach <= 0.0625 * df) & (16 * rise <= at.py) & (at.py + rise <= top);
     // A bracket that holds the origin does not say whether the hit is ahead of it.
-    const Mask decided = abs(entry) > width;
-    // What is neglected counts less in l than what is rounded.
-    const Mask small = (error < 24 * kU * size) & (neglected < 0.5 * kU * size);
-    const Mask found = near & decided & small;
+    const Mask found = near & (error < allowed) & (abs(entry) > width);
     store(&search.entry[i], select(l == kInfinity, l, select(found, entry, all(kOpen))));
   }
 }
@@ -454,40 +450,66 @@ void find(const Frame& frame, bool is_hard, const Lines& lines, Search& search) 
   certify<kReversed>(frame, lines, search);
 }
 
-/// Of the lines, those that enter behind the origin: their first hit is where they leave.
-void collect_behind(Block& block) {
+/// Lines whose entry does not say what the first hit is: it is behind the origin, or it is open and it is
+/// hard, as a line that is hard to see from one side may be easy to see from the other.
+void collect_rest(bool is_hard, Block& block) {
   const Lines& from = block.lines;
-  Lines& to = block.behind;
+  Lines& to = block.rest;
+  const auto unanswered = [&](std::size_t i) {
+    const Lanes entry = load(&block.entries.entry[i]);
+    return to_bits(is_hard ? ~(entry > 0) : entry <= 0);
+  };
   to.size = 0;
-  for (std::size_t i = 0; i < from.size; i += kFloats) {
-    const unsigned low = to_bits(load(&block.entries.entry[i]) <= 0);
-    unsigned behind = low | to_bits(load(&block.entries.entry[i + kLanes]) <= 0) << kLanes;
-    if (from.size - i < kFloats) behind &= (1U << (from.size - i)) - 1;
-    for (; behind != 0; behind &= behind - 1) {
-      const std::size_t line = i + static_cast<unsigned>(__builtin_ctz(behind)), next = to.size++;
+  for (std::size_t i = 0; i < from.size; i += kLanes) {
+    unsigned rest = unanswered(i);
+    if (from.size - i < kLanes) rest &= (1U << (from.size - i)) - 1;
+    for (; rest != 0; rest &= rest - 1) {
+      const std::size_t line = i + static_cast<unsigned>(__builtin_ctz(rest)), next = to.size++;
       to.ray[next] = from.ray[line];
       to.middle[next] = from.middle[line];
       to.half2[next] = from.half2[line];
-      block.place[next] = static_cast<std::int32_t>(line);
+      block.place[next] = line;
     }
   }
 }
 
-/// From what is proved of lines, where they enter and leave the solid, to what is proved of rays. Returns a
-/// bit for each that is open.
-[[gnu::always_inline]] inline unsigned decide(Lanes in, Lanes out, Lanes back, Mask both, std::size_t i,
-                                              Block& block) {
+/// Of a line that may not enter ahead of the origin, where it is first hit; kInfinity: nowhere.
+double first_hit(double in, double out) {
+  if (out < 0) return kInfinity;
+  return in < 0 && out > 0 ? out : kOpen;
+}
+
+/// Leaves of each line where it is first hit.
+void find_first(const Frame& frame, const TeardropBatch& batch, bool is_hard, bool scaled, Block& block) {
+  collect_rest(is_hard, block);
+  if (block.rest.size == 0) return;
+  gather(batch, scaled, block.rest);
+  find<true>(frame, is_hard, block.rest, block.exits);
+  for (std::size_t i = 0; i < block.rest.size; ++i) {
+    double& entry = block.entries.entry[block.place[i]];
+    entry = first_hit(entry, -block.exits.entry[i]);
+  }
+}
+
+/// From what is proved of lines to what is proved of rays: their first hits. Returns a bit for each that is
+/// open: also what leaves the range of double in the caller's units.
+[[gnu::always_inline]] inline unsigned decide_first(Lanes back, std::size_t i, Block& block) {
+  const Lanes l = load(&block.entries.entry[i]), first = l * back;
+  const Mask missed = l == kInfinity, known = missed | ((first > 0) & (first < kInfinity));
+  store(&block.first[i], first);
+  store(&block.hits[i], select(known, select(missed, Lanes{}, all(1.0)), all(-1.0)));
+  return to_bits(~known);
+}
+
+/// The same of all hits, from where lines enter and leave the solid.
+[[gnu::always_inline]] inline unsigned decide_both(Lanes back, std::size_t i, Block& block) {
+  const Lanes in = load(&block.entries.entry[i]), out = -load(&block.exits.entry[i]);
   const Mask missed = (in == kInfinity) | (out == -kInfinity);
   const Mask ahead = in > 0, gone = out < 0;
   const Lanes first = select(ahead, in, out) * back, second = out * back;
-  // What leaves the range of double in the caller's units is left open.
-  const Mask first_fits = gone | ((first > 0) & (first < kInfinity));
-  const Mask second_fits = ~both | ~ahead | (second < kInfinity);
-  // The first hit needs no exit.
-  const Mask ordered = (in < out) | (~both & ahead & (out != out));
-  const Mask known = missed | (ordered & (ahead | (out < kInfinity)) & first_fits & second_fits);
-  const Lanes some = select(both & ahead, all(2.0), all(1.0));
-  const Lanes count = select(missed | gone, Lanes{}, some);
+  const Mask fits = gone | ((first > 0) & (second < kInfinity));
+  const Mask known = missed | ((in < out) & fits);
+  const Lanes count = select(missed | gone, Lanes{}, select(ahead, all(2.0), all(1.0)));
   store(&block.first[i], first);
   store(&block.second[i], second);
   store(&block.hits[i], select(known, count, all(-1.0)));
@@ -495,13 +517,12 @@ void collect_behind(Block& block) {
 }
 
 /// What is proved of the lines, by their own order; returns how many are open.
-std::size_t decide_all(const TeardropBatch& batch, bool scaled, Block& block) {
+template <class Decide>
+std::size_t decide_all(const TeardropBatch& batch, bool scaled, Block& block, const Decide& decide) {
   const std::size_t size = block.lines.size;
-  const Mask both = all(batch.both ? 1.0 : 0.0) > 0;
   std::size_t open = 0;
   for (std::size_t i = 0; i < size; i += kLanes) {
-    const Lanes back = scaled ? load(&block.lines.back[i]) : all(batch.unit);
-    unsigned bits = decide(load(&block.entries.entry[i]), load(&block.out[i]), back, both, i, block);
+    unsigned bits = decide(scaled ? load(&block.lines.back[i]) : all(batch.unit), i, block);
     if (size - i < kLanes) bits &= (1U << (size - i)) - 1;
     open += static_cast<unsigned>(__builtin_popcount(bits));
   }
@@ -533,23 +554,6 @@ void spread(const TeardropBatch& batch, const Block& block, const TeardropAnswer
   if (batch.both) __builtin_memcpy(to.second + ray, second, some * sizeof *second);
 }
 
-/// Where lines leave, as far as that is asked for.
-void find_exits(const Frame& frame, const TeardropBatch& batch, bool is_hard, bool scaled, Block& block) {
-  const Lines& lines = block.lines;
-  // A line that is hard to see from one side may be easy to see from the other.
-  if (batch.both || is_hard) {
-    find<true>(frame, is_hard, lines, block.exits);
-    for (std::size_t i = 0; i < lines.size; i += kLanes) store(&block.out[i], -load(&block.exits.entry[i]));
-    return;
-  }
-  for (std::size_t i = 0; i < lines.size; i += kLanes) store(&block.out[i], all(kInfinity));
-  collect_behind(block);
-  if (block.behind.size == 0) return;
-  gather(batch, scaled, block.behind);
-  find<true>(frame, is_hard, block.behind, block.exits);
-  for (std::size_t i = 0; i < block.behind.size; ++i) block.out[block.place[i]] = -block.exits.entry[i];
-}
-
 /// At most kBlock rays; returns how many it leaves open.
 std::size_t solve_block(const Frame& frame, const TeardropBatch& batch, bool is_hard, Block& block,
                         const TeardropAnswers& to) {
@@ -557,8 +561,14 @@ std::size_t solve_block(const Frame& frame, const TeardropBatch& batch, bool is_
   if (scaled) cull_all<true>(frame, batch, block);
   gather(batch, scaled, block.lines);
   find<false>(frame, is_hard, block.lines, block.entries);
-  find_exits(frame, batch, is_hard, scaled, block);
-  const std::size_t open = decide_all(batch, scaled, block);
+  std::size_t open = 0;
+  if (batch.both) {
+    find<true>(frame, is_hard, block.lines, block.exits);
+    open = decide_all(batch, scaled, block, decide_both);
+  } else {
+    find_first(frame, batch, is_hard, scaled, block);
+    open = decide_all(batch, scaled, block, decide_first);
+  }
   spread(batch, block, to);
   return open;
 }

@@ -169,11 +169,43 @@ inline Lanes select(Mask mask, Lanes a, Lanes b) { return mask ? a : b; }
 inline Floats select(FloatMask mask, Floats a, Floats b) { return mask ? a : b; }
 inline Lanes abs(Lanes x) { return from_bits(bits_of(x) & 0x7fff'ffff'ffff'ffff); }
 inline Floats abs(Floats x) { return from_bits(bits_of(x) & 0x7fff'ffff); }
-/// The larger one; b where a is no number.
-inline Lanes max(Lanes a, Lanes b) { return a > b ? a : b; }
-inline Floats max(Floats a, Floats b) { return a > b ? a : b; }
-inline Lanes min(Lanes a, Lanes b) { return a < b ? a : b; }
-inline Floats min(Floats a, Floats b) { return a < b ? a : b; }
+/// The larger one; b where one is no number. The instruction says the same.
+inline Lanes max(Lanes a, Lanes b) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  return _mm512_max_pd(a, b);
+#elif defined(__AVX2__) && defined(__FMA__)
+  return _mm256_max_pd(a, b);
+#else
+  return a > b ? a : b;
+#endif
+}
+inline Floats max(Floats a, Floats b) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  return _mm512_max_ps(a, b);
+#elif defined(__AVX2__) && defined(__FMA__)
+  return _mm256_max_ps(a, b);
+#else
+  return a > b ? a : b;
+#endif
+}
+inline Lanes min(Lanes a, Lanes b) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  return _mm512_min_pd(a, b);
+#elif defined(__AVX2__) && defined(__FMA__)
+  return _mm256_min_pd(a, b);
+#else
+  return a < b ? a : b;
+#endif
+}
+inline Floats min(Floats a, Floats b) {
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  return _mm512_min_ps(a, b);
+#elif defined(__AVX2__) && defined(__FMA__)
+  return _mm256_min_ps(a, b);
+#else
+  return a < b ? a : b;
+#endif
+}
 
 /// One bit a lane, lane 0 lowest.
 inline unsigned to_bits(Mask mask) {
