@@ -239,6 +239,12 @@ inline unsigned to_bits(FloatMask mask) { return (mask[0] < 0 ? 1U : 0U) | (mask
 
 /// Writes the lanes whose bits are set to `to`, one after another; memory for all lanes is written.
 inline void store_selected(double* to, unsigned /*bits*/, const Lanes& x) { store(to, x); }
+inline void store_selected(float* to, unsigned bits, const Floats& x) {
+  to[0] = (bits & 1U) != 0 ? x[0] : x[1];
+  to[1] = x[1];
+}
+/// Reads what that wrote; zero in a lane whose bit is not set.
+inline Lanes load_selected(const double* from, unsigned bits) { return bits != 0 ? load(from) : Lanes{}; }
 inline void store_selected_numbers(std::int32_t* to, unsigned bits, std::int32_t first) {
   to[0] = (bits & 1U) != 0 ? first : first + 1;
   to[1] = first + 1;
