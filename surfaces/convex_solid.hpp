@@ -288,13 +288,13 @@ struct Place {
     }
   }
 };
-/// x / y, scaled so that neither leaves the range of double-doubles.
-inline DoubleDouble quotient(const Dyadic& x, const Dyadic& y) {
+/// x / y 2^k, scaled so that nothing leaves the range of double-doubles before the last.
+inline DoubleDouble quotient(const Dyadic& x, const Dyadic& y, int k) {
   if (x.is_zero()) return 0;
   const long up = x.top_exponent(), down = y.top_exponent();
   const DoubleDouble q =
       scale_by_power(x, -up).to_double_double() / scale_by_power(y, -down).to_double_double();
-  const auto shift = static_cast<int>(std::clamp(up - down, -4000L, 4000L));
+  const auto shift = static_cast<int>(std::clamp(up - down + k, -4000L, 4000L));
   return {scale_by_power(q.hi, shift), scale_by_power(q.lo, shift)};
 }
 
@@ -305,9 +305,13 @@ DoubleDouble crossing_of(const Face& face, const Grain& grain, const Lifted& lin
   const auto top = [&](auto number) { return face.template top<decltype(number)>(ray); };
   const auto bottom = [&](auto number) { return face.template bottom<decltype(number)>(ray); };
   const bool is_exact = ray.is_exact && (grain.top(ray) | grain.bottom(ray)).is_exact();
-  const DoubleDouble l = is_exact ? sharp(top, grain.top(ray)) / sharp(bottom, grain.bottom(ray))
-                                  : quotient(top(Dyadic()), bottom(Dyadic()));
-  return {scale_by_power(l.hi, line.exponent), scale_by_power(l.lo, line.exponent)};
+  if (is_exact) {
+    constexpr double kSmall = 0x1p-900;  // below, low parts underflow
+    const DoubleDouble l = sharp(top, grain.top(ray)) / sharp(bottom, grain.bottom(ray));
+    const bool is_number = std::fabs(l.hi) > kSmall && std::isfinite(l.hi);
+    if (is_number) return {scale_by_power(l.hi, line.exponent), scale_by_power(l.lo, line.exponent)};
+  }
+  return quotient(top(Dyadic()), bottom(Dyadic()), line.exponent);
 }
 
 /// Encloses delta = l - centre there, by 1 ulp of delta and 2^-90 of l.
@@ -317,8 +321,9 @@ Place place_of(const Face& face, const Grain& grain, const Lifted& line) {
   const DoubleDouble delta = l - line.ray.centre;
   const double size = std::fabs(l.hi), error = 0x1p-90 * size;
   constexpr double kSmall = 0x1p-900;  // below, low parts underflow
-  const bool is_small = size > 0 && size < kSmall;
-  const double underflow = is_small ? 4 * std::numeric_limits<double>::denorm_min() : 0;
+  const bool is_small = size < kSmall;
+  // Scaled from normal numbers, once.
+  const double underflow = is_small ? std::numeric_limits<double>::denorm_min() : 0;
   Place place{delta.hi, ball(delta.hi, 0x1p-53 * std::fabs(delta.hi) + error + underflow)};
   if (!is_small) place.near = DoubleDoubleBall(delta, error);
   return place;
