@@ -7,7 +7,9 @@
 // returns       an equation for a ray that meets the figure; nothing for one that does not;
 //               Status::uncertain where a sign is beyond intervals and the figure's numbers are not exact in
 //               its units;
-//               Status::failed where the ray's numbers leave double in the figure's units
+//               Status::failed where the ray's numbers leave double in the figure's units; solvers that prove
+//               their answers are told of the rays that pass it there too, and of the others
+//               Status::uncertain
 // error         decisions: none. Coefficients: 1 ulp each; l within 4 ulps with closed_form (measured:
 //               3.97)
 // cost          some 20 interval operations a sign; expansions (0.2 ... 1 us) where those cannot tell
@@ -387,10 +389,14 @@ inline Meeting meet(Judge& judge, const ExactPlane& plane, const LocalRay& ray) 
 template <class Inside, class Within>
 void pose_exact(EquationBlock& block, const LocalRay& ray, const ExactPlane& plane, bool exact,
                 const Inside& is_inside, const Within& pose_within) {
-  if (!is_usable(ray)) return block.settle(Status::failed);
-  Judge judge(exact && plane.holds(ray), plane.exact);
+  const bool usable = is_usable(ray);
+  // Integers decide whether a ray passes also where its numbers leave double in the figure's units.
+  const bool in_integers = plane.exact && block.wants_coefficient_errors() && is_valid(ray.world);
+  if (!usable && !in_integers) return block.settle(Status::failed);
+  Judge judge(usable && exact && plane.holds(ray), plane.exact);
   const Meeting meeting = meet(judge, plane, ray);
   const bool inside = meeting == Meeting::ahead && !judge.undecided() && is_inside(judge);
+  if (!usable && inside) return block.settle(Status::uncertain);
   if (meeting == Meeting::within && !judge.undecided()) pose_within(judge);
   if (judge.undecided()) return block.settle(Status::uncertain);
   if (inside) pose_crossing(block, ray, ray.seed(), plane, judge);
