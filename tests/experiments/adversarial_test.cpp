@@ -146,8 +146,8 @@ constexpr unsigned set_of(std::initializer_list<Fault> faults) {
   return set;
 }
 
-/// Flaws that are known and open: counted and printed, not held against the solver. Rows go as
-/// they are mended; there is none left.
+/// Flaws that are known and open: counted and printed, not held against the solver. Rows go as they are
+/// mended; there is none left.
 struct Known {
   std::string_view type;
   unsigned on_any = 0;
