@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <span>
 
 #include <graze/surfaces/faithful_batch.hpp>
@@ -95,22 +96,24 @@ class FaithfulKernel {
     correct_hits(rays, all, answers, first, open);
     std::array<std::size_t, kAgain> again;
     std::size_t count = 0;
-    for (auto at = open.begin(), end = open.begin() + static_cast<std::ptrdiff_t>(rays.size());; ++at) {
-      at = std::find(at, end, std::uint8_t{1});
-      if (at != end) {
-        const auto i = static_cast<std::size_t>(at - open.begin());
-        if (answers.tier[first + i] > Step::kLastAgain) {
-          decide(rays[i], {}, all, answers, first + i);
-        } else {
-          again[count++] = i;
-        }
+    for (std::size_t i = next_open(open, 0, rays.size()); i < rays.size();) {
+      if (answers.tier[first + i] > Step::kLastAgain) {
+        decide(rays[i], {}, all, answers, first + i);
+      } else {
+        again[count++] = i;
       }
-      if (count == kAgain || (at == end && count > 0)) {
+      i = next_open(open, i + 1, rays.size());
+      if (count == kAgain || (i == rays.size() && count > 0)) {
         look_again(rays, std::span(again).first(count), all, answers, first);
         count = 0;
       }
-      if (at == end) return;
     }
+  }
+
+  static std::size_t next_open(const Marks& open, std::size_t from, std::size_t size) {
+    const void* const found = std::memchr(open.data() + from, 1, size - from);
+    return found == nullptr ? size
+                            : static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - open.data());
   }
 
   /// All hits of the rays that are left, with more steps. Which hit is which is told by their order.

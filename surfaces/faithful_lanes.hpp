@@ -49,9 +49,9 @@ struct Corrected {
   constexpr double kU = 0x1p-53;
   constexpr double kPay = 1 + 0x1p-40;  // for the roundings of a bound itself, fewer than 20
   constexpr double kHalf = 0.4375;      // with room for the same
-  const Lanes per_slope = 1 / at.slope, per_size = abs(per_slope);
-  const Lanes step = -at.f * per_slope;
-  const Wide sum = two_sum(l, step);
+  const Lanes per_slope = -1 / at.slope, per_size = abs(per_slope);
+  const Lanes step = at.f * per_slope;
+  const Wide sum = quick_two_sum(l, step);
   const Lanes radius = 2 * kPay * fma(at.error, per_size, abs(step));
   const Lanes hit_within = is_alone ? fma(at.spread_by_slope, per_size, at.spread) : Lanes{};
   const Lanes around = max(radius, hit_within);
@@ -62,40 +62,69 @@ struct Corrected {
   // The smaller of the gaps beside the new l.
   const Lanes gap = sum.hi - from_bits(bits_of(sum.hi) - 1);
   const Mask closer = is_straight & (sum.hi > 0);
-  return {sum.hi, closer & (abs(sum.lo) + doubt <= (1 - 0x1p-20) * gap), closer};
+  const Mask is_whole = abs(step) <= l;  // the sum, by quick_two_sum
+  return {sum.hi, closer & is_whole & (abs(sum.lo) + doubt <= (1 - 0x1p-20) * gap), closer};
 }
 
-/// Corrects all l of a batch, kLanes at a time; the last group repeats its last ray.
+/// kLanes rays of a batch, on their way through the stages.
+struct Group {
+  std::uint32_t which[kLanes];  ///< a last group repeats its last ray
+  Line line;
+  Lanes given, l, back;  ///< l of the caller, in the line's units, and what leads back
+};
+
+/// Rays from `at` on, in the surface's units.
 template <class Frame>
-[[gnu::always_inline]] inline void correct_all(const Frame& frame, const FaithfulBatch& batch) {
+[[gnu::always_inline]] inline void take(const Frame& frame, const FaithfulBatch& batch, std::size_t at,
+                                        Group& group) {
+  const double* const rays = &batch.rays->o.x;
+  double gathered[kLanes];
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    group.which[k] = batch.which[at + k < batch.count ? at + k : batch.count - 1];
+    gathered[k] = batch.l[group.which[k]];
+  }
+  Lanes x[6];
+  load_records_at([&](std::size_t k) { return rays + std::size_t{6} * group.which[k]; }, x);
+  group.given = load(gathered);
+  const Lanes shrink = reciprocal_power(max(abs(x[3]), max(abs(x[4]), abs(x[5]))));
+  group.back = shrink * frame.unit;
+  group.line = {{x[0] * frame.inverse_unit, x[1] * frame.inverse_unit, x[2] * frame.inverse_unit},
+                {x[3] * shrink, x[4] * shrink, x[5] * shrink}};
+  group.l = group.given * reciprocal_power(group.back);
+}
+
+/// What became of the l of a group's first `size` rays.
+[[gnu::always_inline]] inline void put(const FaithfulBatch& batch, const Group& group,
+                                       const Corrected& corrected, std::size_t size) {
   constexpr double kNormal = 0x1p-1022, kInfinity = __builtin_inf();
   constexpr double kLargest = 0x1p1000;  // scaling by such a power of two and back is exact
-  const double* const rays = &batch.rays->o.x;
-  for (std::size_t i = 0; i < batch.count; i += kLanes) {
-    const std::size_t size = batch.count - i < kLanes ? batch.count - i : kLanes;
-    std::uint32_t last[kLanes];
-    for (std::size_t k = 0; size < kLanes && k < kLanes; ++k)
-      last[k] = batch.which[i + (k < size ? k : size - 1)];
-    const std::uint32_t* const which = size < kLanes ? last : batch.which + i;
-    Lanes x[6];
-    load_records_at([&](std::size_t k) { return rays + std::size_t{6} * which[k]; }, x);
-    double gathered[kLanes];
-    for (std::size_t k = 0; k < kLanes; ++k) gathered[k] = batch.l[which[k]];
-    const Lanes given = load(gathered);
+  const Lanes better = corrected.l * group.back;
+  const Mask fits = (group.back > 1 / kLargest) & (group.back < kLargest) & (corrected.l >= kNormal) &
+                    (better >= kNormal) & (better < kInfinity);
+  double scattered[kLanes];
+  store(scattered, select(corrected.closer & fits, better, group.given));
+  for (std::size_t k = 0; k < kLanes; ++k) batch.l[group.which[k]] = scattered[k];
+  unsigned open = to_bits(~(corrected.proved & fits)) & ((1U << size) - 1);
+  for (; open != 0; open &= open - 1) batch.open[group.which[__builtin_ctz(open)]] = 1;
+}
 
-    const Lanes shrink = reciprocal_power(max(abs(x[3]), max(abs(x[4]), abs(x[5]))));
-    const Lanes back = shrink * frame.unit;
-    const Line line{{x[0] * frame.inverse_unit, x[1] * frame.inverse_unit, x[2] * frame.inverse_unit},
-                    {x[3] * shrink, x[4] * shrink, x[5] * shrink}};
-    const Lanes l = given * reciprocal_power(back);
-    const Corrected corrected = correct(l, frame.residual(line, l), batch.is_alone);
-    const Lanes better = corrected.l * back;
-    const Mask fits = (back > 1 / kLargest) & (back < kLargest) & (corrected.l >= kNormal) &
-                      (better >= kNormal) & (better < kInfinity);
-    store(gathered, select(corrected.closer & fits, better, given));
-    for (std::size_t k = 0; k < size; ++k) batch.l[which[k]] = gathered[k];
-    unsigned open = to_bits(~(corrected.proved & fits)) & ((1U << size) - 1);
-    for (; open != 0; open &= open - 1) batch.open[which[__builtin_ctz(open)]] = 1;
+/// Corrects all l of a batch, kLanes at a time. A stage after another over several groups: the long chains of
+/// neighbours overlap.
+template <class Frame>
+[[gnu::always_inline]] inline void correct_all(const Frame& frame, const FaithfulBatch& batch) {
+  constexpr std::size_t kGroups = 16;  // 18 kB of lanes
+  Group groups[kGroups];
+  Residual residuals[kGroups];
+  for (std::size_t i = 0; i < batch.count; i += kGroups * kLanes) {
+    const std::size_t left = batch.count - i, size = left < kGroups * kLanes ? left : kGroups * kLanes;
+    const std::size_t count = (size + kLanes - 1) / kLanes;
+    for (std::size_t n = 0; n < count; ++n) take(frame, batch, i + n * kLanes, groups[n]);
+    for (std::size_t n = 0; n < count; ++n) residuals[n] = frame.residual(groups[n].line, groups[n].l);
+    for (std::size_t n = 0; n < count; ++n) {
+      const std::size_t rest = size - n * kLanes;
+      put(batch, groups[n], correct(groups[n].l, residuals[n], batch.is_alone),
+          rest < kLanes ? rest : kLanes);
+    }
   }
 }
 
