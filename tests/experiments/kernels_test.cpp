@@ -8,6 +8,7 @@
 #include <graze/experiments/cases.hpp>
 #include <graze/experiments/truth.hpp>
 #include <graze/solvers/math/instruction_set.hpp>
+#include <graze/solvers/math/rng.hpp>
 #include <surfaces/cells.hpp>
 
 #include "family_rays.hpp"
@@ -182,6 +183,35 @@ TEST_P(Kernel, TheShortWayAnswersAsTheLongOne) {
       EXPECT_GT(short_way.l.size(), rays.size() / 8);
     }
   }
+}
+
+/// The profile meets itself at r = 18, y = 0, t = 1/4 and 3/4: two pieces of it are hit a few ulps apart.
+TEST(BezierRevolutionKernel, TheFirstOfTwoHitsBesideACrossingIsTheFirstWithinAnUlp) {
+  if (solver_named("faithful") == nullptr) GTEST_SKIP() << "faithful is not in this build";
+  const SurfaceSpec spec = bezier({{9, -9}, {25, 13}, {25, -13}, {9, 9}});
+  const auto truth = truth::make_surface(spec);
+  const Scene scene = scene_of(spec, find_solver("faithful"));
+  Rng rng(kSeed);
+  std::vector<Ray> rays;
+  for (int i = 0; i < 2000; ++i) {
+    const double angle = rng.uniform(0, 6.28), off = std::exp2(rng.uniform(-52, -44));
+    const auto near = [&](double x) { return x + off * rng.uniform(-18, 18); };
+    const Vec3 from{rng.uniform(19, 20), rng.uniform(-0.1, 0.1), rng.uniform(-1, 1)};
+    const Vec3 to{near(18 * std::cos(0.1 * angle)), near(0), near(18 * std::sin(0.1 * angle))};
+    rays.push_back({from, {to.x - from.x, to.y - from.y, to.z - from.z}});
+  }
+  Scene::Workspace work;
+  HitBuffer hits;
+  scene.intersect(rays, Query::first, {}, work, hits);
+  double worst = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const truth::Hit& hit = truth->all(rays[i], {.digits = 34}).hits.at(0);
+    ASSERT_EQ(hits.end(i) - hits.begin(i), 1U);
+    const double error = std::fabs((hits.l[hits.begin(i)] - hit.l.head) - hit.l.tail) / ulp(hit.l.head);
+    EXPECT_LE(error, 1) << i;
+    worst = std::max(worst, error);
+  }
+  std::printf("worst %.2f ulps\n", worst);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Kernel, testing::ValuesIn(kernels()), [](const auto& cell) {
