@@ -99,10 +99,10 @@ struct Lines {
 
 /// Where lines enter; an exit is the entry of the reversed line.
 struct Search {
-  alignas(64) double entry[kPadded];               ///< guess; at last l, kInfinity for a miss, or kOpen
-  alignas(64) double centre[kPadded];              ///< of the hard: l near the closest approach
+  alignas(64) double entry[kPadded];  ///< guess; at last l, kInfinity for a miss, or kOpen
+  alignas(
+      64) double near[kPadded];  ///< l where it enters the first ellipsoid; of the hard, where it is closest
   alignas(64) float p[3][kPadded], q[3][kPadded];  ///< in floats: the point at `near`, and d
-  alignas(64) float near[kPadded];                 ///< where it enters the first ellipsoid
   alignas(64) float guess[kPadded];                ///< of entry - near
 };
 
@@ -218,10 +218,11 @@ template <bool kScaled>
 
 /// The rays that became lines, as arrays.
 void gather(const TeardropBatch& batch, bool scaled, Lines& lines) {
-  // The lanes behind the last line compute too: on some ray, not on whatever lies there.
-  for (std::size_t i = 0; i < kFloats; ++i) lines.ray[lines.size + i] = 0;
-  store(&lines.middle[lines.size], Floats{});
-  store(&lines.half2[lines.size], Floats{});
+  if (lines.size == 0) return;
+  // The lanes behind the last line compute too: on a line that is there.
+  for (std::size_t i = 0; i < kFloats; ++i) lines.ray[lines.size + i] = lines.ray[0];
+  store(&lines.middle[lines.size], all(lines.middle[0]));
+  store(&lines.half2[lines.size], all(lines.half2[0]));
   for (std::size_t i = 0; i < lines.size; i += kLanes) {
     Lanes x[6];
     load_records_at([&](std::size_t k) { return &batch.rays[lines.ray[i + k]].o.x; }, x);
@@ -320,18 +321,61 @@ Line<Floats> floats_at(const Search& search, std::size_t i) {
   return select(delta == static_cast<float>(kInfinity), delta, next);
 }
 
+/// Two vectors of lines through their points at l, in floats.
+template <bool kReversed>
+[[gnu::always_inline]] inline Line<Floats> floats_at(const Lines& lines, std::size_t i, const TwoLanes& l) {
+  const Line<Lanes> a = line_at<kReversed>(lines, i, l.first);
+  const Line<Lanes> b = line_at<kReversed>(lines, i + kLanes, l.second);
+  return {narrow(a.px, b.px), narrow(a.py, b.py), narrow(a.pz, b.pz),
+          narrow(a.dx, b.dx), narrow(a.dy, b.dy), narrow(a.dz, b.dz)};
+}
+
+/// Where a line enters the first ellipsoid, from any of its points: by way of its closest approach.
+[[gnu::always_inline]] inline Lanes enter_ellipsoid(const Frame& frame, const Line<Lanes>& x) {
+  const auto middle = static_cast<double>(frame.middle), stretch2 = static_cast<double>(frame.stretch2);
+  const Lanes a = fma(x.dx, x.dx, fma(stretch2 * x.dy, x.dy, x.dz * x.dz));
+  const auto along = [&](Lanes px, Lanes py, Lanes pz) {
+    return fma(px, x.dx, fma((py - middle) * stretch2, x.dy, pz * x.dz));
+  };
+  const Lanes l = -along(x.px, x.py, x.pz) / a;
+  const Lanes px = fma(l, x.dx, x.px), py = fma(l, x.dy, x.py), pz = fma(l, x.dz, x.pz);
+  const Lanes b = along(px, py, pz), up = py - middle;
+  const Lanes c = fma(px, px, fma(up * up, all(stretch2), pz * pz)) - static_cast<double>(frame.radius2);
+  return l - (b + sqrt(max(fma(b, b, -(a * c)), Lanes{}))) / a;
+}
+
+/// Two vectors of lines where they enter the first ellipsoid.
+struct Start {
+  TwoLanes near;
+  Line<Floats> line;
+};
+
+/// From afar floats do not tell where: what they say is near the ellipsoid for all others.
+template <bool kReversed>
+[[gnu::always_inline]] inline Start start_of(const Frame& frame, const Lines& lines, std::size_t i) {
+  const Floats middle = load(&lines.middle[i]), half = sqrt(load(&lines.half2[i]));
+  TwoLanes l = widen(finite(kReversed ? -(middle + half) : middle - half));
+  const Line<Floats> at = floats_at<kReversed>(lines, i, l);
+  const Floats up = at.py - frame.middle;
+  const Floats distance2 = fma(at.px, at.px, fma(up * frame.stretch2, up, at.pz * at.pz));
+  const FloatMask is_off = distance2 > 1.5F * frame.radius2;
+  if (to_bits(is_off) == 0) return {l, at};
+  const TwoLanes off = widen(select(is_off, all(1.0F), Floats{}));
+  const Lanes first = enter_ellipsoid(frame, line_at<kReversed>(lines, i, l.first));
+  const Lanes second = enter_ellipsoid(frame, line_at<kReversed>(lines, i + kLanes, l.second));
+  l.first = finite(l.first + select(off.first > 0, first, Lanes{}));
+  l.second = finite(l.second + select(off.second > 0, second, Lanes{}));
+  return {l, floats_at<kReversed>(lines, i, l)};
+}
+
 /// Guesses in floats: what is left to double is one step with its proof. A loop for each step, so that the
 /// long chains of neighbours overlap.
 template <bool kReversed>
 void guess(const Frame& frame, const Lines& lines, Search& search) {
   for (std::size_t i = 0; i < lines.size; i += kFloats) {
-    const Floats middle = load(&lines.middle[i]), half = sqrt(load(&lines.half2[i]));
-    const Floats near = finite(kReversed ? -(middle + half) : middle - half);
-    const auto [low, high] = widen(near);
-    const Line<Lanes> a = line_at<kReversed>(lines, i, low), b = line_at<kReversed>(lines, i + kLanes, high);
-    const Line<Floats> line{narrow(a.px, b.px), narrow(a.py, b.py), narrow(a.pz, b.pz),
-                            narrow(a.dx, b.dx), narrow(a.dy, b.dy), narrow(a.dz, b.dz)};
-    store(&search.near[i], near);
+    const auto [near, line] = start_of<kReversed>(frame, lines, i);
+    store(&search.near[i], near.first);
+    store(&search.near[i + kLanes], near.second);
     store(&search.p[0][i], line.px);
     store(&search.p[1][i], line.py);
     store(&search.p[2][i], line.pz);
@@ -344,9 +388,8 @@ void guess(const Frame& frame, const Lines& lines, Search& search) {
     store(&search.guess[i], step_by_halley(frame, floats_at(search, i), load(&search.guess[i])));
   for (std::size_t i = 0; i < lines.size; i += kFloats) {
     const auto delta = widen(step_by_halley(frame, floats_at(search, i), load(&search.guess[i])));
-    const auto near = widen(load(&search.near[i]));
-    store(&search.entry[i], near.first + delta.first);
-    store(&search.entry[i + kLanes], near.second + delta.second);
+    store(&search.entry[i], load(&search.near[i]) + delta.first);
+    store(&search.entry[i + kLanes], load(&search.near[i + kLanes]) + delta.second);
   }
 }
 
@@ -367,7 +410,7 @@ void guess_hard(const Frame& frame, const Lines& lines, Search& search) {
   constexpr int kMajorants = 5, kEulers = 4;
   const auto each = [&](const auto& step) {
     for (std::size_t i = 0; i < lines.size; i += kLanes) {
-      const Line<Lanes> line = line_at<kReversed>(lines, i, load(&search.centre[i]));
+      const Line<Lanes> line = line_at<kReversed>(lines, i, load(&search.near[i]));
       store(&search.entry[i], step(line, load(&search.entry[i])));
     }
   };
@@ -375,7 +418,7 @@ void guess_hard(const Frame& frame, const Lines& lines, Search& search) {
     const Line<Lanes> ray = line_at<kReversed>(lines, i, Lanes{});
     const Lanes up = ray.py - static_cast<double>(frame.middle);
     const Lanes square = fma(ray.dx, ray.dx, fma(ray.dy, ray.dy, ray.dz * ray.dz));
-    store(&search.centre[i], -fma(ray.px, ray.dx, fma(up, ray.dy, ray.pz * ray.dz)) / square);
+    store(&search.near[i], -fma(ray.px, ray.dx, fma(up, ray.dy, ray.pz * ray.dz)) / square);
   }
   each([&](const Line<Lanes>& line, Lanes) {
     const Quadratic q = against(frame, line, majorant_at(all(kFirst)));
@@ -392,7 +435,7 @@ void guess_hard(const Frame& frame, const Lines& lines, Search& search) {
   for (int step = 0; step < kEulers; ++step)
     each([&](const Line<Lanes>& line, Lanes delta) { return step_by_euler(frame, line, delta); });
   for (std::size_t i = 0; i < lines.size; i += kLanes)
-    store(&search.entry[i], finite(load(&search.centre[i])) + load(&search.entry[i]));
+    store(&search.entry[i], finite(load(&search.near[i])) + load(&search.entry[i]));
 }
 
 /// The proof, and Chebyshev's step, of third order, from one evaluation of F, F' and F'' at a double l of the
@@ -426,14 +469,14 @@ void certify(const Frame& frame, const Lines& lines, Search& search) {
     const Lanes allowed = 32 * kU * fma(nine_v, g + 16 * kU, square);
     const Lanes width = fma(allowed, per_slope, 4 * kU * abs(entry));
     const Lanes reach = abs(step) + width, rise = abs(at.dy) * reach, rise_t = rise * per_t;
-    // 256/3 of 5/32 |q| and of the third order, and 16/3 of 96 u of the rest (surfaces/teardrop.md): they are
+    // 256/3 of |q| / 32 and of the third order, and 16/3 of 96 u of the rest (surfaces/teardrop.md): they are
     // to be below 6 u S, and 32 u S is at hand.
     const Lanes third = (7.5 * per_m) * rise_t * (rise_t * rise_t);
     const Lanes rounded = fma(flat * reach, reach, fma(rise, all(2 * frame.m), abs(f)));
-    const Lanes error = fma(rounded, all(512 * kU), fma(abs(left), all(13.5), third)) + kTiny;
+    const Lanes error = fma(rounded, all(512 * kU), fma(abs(left), all(2.75), third)) + kTiny;
 
     const Mask near =
-        (df > 0) & (abs(half_ddf) * reach <= 0.0625 * df) & (16 * rise <= at.py) & (at.py + rise <= top);
+        (df > 0) & (abs(half_ddf) * reach <= 0x1p-7 * df) & (16 * rise <= at.py) & (at.py + rise <= top);
     // A bracket that holds the origin does not say whether the hit is ahead of it.
     const Mask found = near & (error < allowed) & (abs(entry) > width);
     store(&search.entry[i], select(l == kInfinity, l, select(found, entry, all(kOpen))));
