@@ -1,10 +1,19 @@
 // What is done with the answers of every ray of a batch: rays are many and cheap here, and these loops are
-// all that a scene adds to its kernel. Apart from the scene's other code, so that they can be vectors' loops.
+// all that a scene adds to its kernel. Apart from the scene's other code, so that they can be vectors' loops;
+// flattened, since a linker may take a vector's functions from a source that was compiled to be small.
 #include <graze/surfaces/kernel.hpp>
 
 #include <algorithm>
 
 namespace graze {
+
+[[gnu::flatten]] void KernelAnswers::resize(std::size_t count) {
+  hits.resize(count);
+  touching.assign(count, 0);
+  tier.assign(count, 1);
+  above_two_.clear();
+  for (std::size_t k = 0; k < kMost; ++k) l[k].resize(count);
+}
 
 KernelAnswers::Extremes KernelAnswers::extremes() const {
   Extremes all;
@@ -17,8 +26,8 @@ KernelAnswers::Extremes KernelAnswers::extremes() const {
   return all;
 }
 
-void append_answers(const KernelAnswers& answers, const KernelAnswers::Extremes& extremes,
-                    std::span<const Counters> first_tier, HitBuffer& out) {
+[[gnu::flatten]] void append_answers(const KernelAnswers& answers, const KernelAnswers::Extremes& extremes,
+                                     std::span<const Counters> first_tier, HitBuffer& out) {
   const std::size_t rays = answers.hits.size(), ray = out.rays();
   const auto& l = answers.l;
   if (extremes.most <= 1) {

@@ -61,13 +61,7 @@ struct KernelAnswers {
     bool touches = false;
   };
   [[nodiscard]] Extremes extremes() const;
-  void resize(std::size_t count) {
-    hits.resize(count);
-    touching.assign(count, 0);
-    tier.assign(count, 1);
-    above_two_.clear();
-    for (std::size_t k = 0; k < kMost; ++k) l[k].resize(count);
-  }
+  void resize(std::size_t count);
 
  private:
   std::unordered_map<std::size_t, std::uint32_t> above_two_;  ///< by ray and hit: hardly ever any
