@@ -465,8 +465,9 @@ void certify(const Frame& frame, const Lines& lines, Search& search) {
     const Lanes chebyshev = -newton * fma(newton * half_ddf, per_slope, all(1.0));
     const Lanes left = fma(chebyshev, fma(chebyshev, half_ddf, df), f);
     const Lanes step = fma(-left, per_slope, chebyshev), entry = l + step;
-    // Wide enough for the bound on F, and for what l itself is rounded by.
-    const Lanes allowed = 32 * kU * fma(nine_v, g + 16 * kU, square);
+    // Wide enough for the bound on F, and for what l itself is rounded by; positive also past the apex, g <
+    // 0.
+    const Lanes allowed = 32 * kU * fma(nine_v, abs(g) + 16 * kU, square);
     const Lanes width = fma(allowed, per_slope, 4 * kU * abs(entry));
     const Lanes reach = abs(step) + width, rise = abs(at.dy) * reach, rise_t = rise * per_t;
     // 256/3 of |q| / 32 and of the third order, and 16/3 of 96 u of the rest (surfaces/teardrop.md): they are
@@ -560,12 +561,13 @@ void find_first(const Frame& frame, const TeardropBatch& batch, bool is_hard, bo
 }
 
 /// What is proved of the lines, by their own order; returns how many are open.
-template <class Decide>
-std::size_t decide_all(const TeardropBatch& batch, bool scaled, Block& block, const Decide& decide) {
+template <bool kBoth>
+std::size_t decide_all(const TeardropBatch& batch, bool scaled, Block& block) {
   const std::size_t size = block.lines.size;
   std::size_t open = 0;
   for (std::size_t i = 0; i < size; i += kLanes) {
-    unsigned bits = decide(scaled ? load(&block.lines.back[i]) : all(batch.unit), i, block);
+    const Lanes back = scaled ? load(&block.lines.back[i]) : all(batch.unit);
+    unsigned bits = kBoth ? decide_both(back, i, block) : decide_first(back, i, block);
     if (size - i < kLanes) bits &= (1U << (size - i)) - 1;
     open += static_cast<unsigned>(__builtin_popcount(bits));
   }
@@ -607,10 +609,10 @@ std::size_t solve_block(const Frame& frame, const TeardropBatch& batch, bool is_
   std::size_t open = 0;
   if (batch.both) {
     find<true>(frame, is_hard, block.lines, block.exits);
-    open = decide_all(batch, scaled, block, decide_both);
+    open = decide_all<true>(batch, scaled, block);
   } else {
     find_first(frame, batch, is_hard, scaled, block);
-    open = decide_all(batch, scaled, block, decide_first);
+    open = decide_all<false>(batch, scaled, block);
   }
   spread(batch, block, to);
   return open;

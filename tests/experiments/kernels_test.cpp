@@ -214,6 +214,26 @@ TEST(BezierRevolutionKernel, TheFirstOfTwoHitsBesideACrossingIsTheFirstWithinAnU
   std::printf("worst %.2f ulps\n", worst);
 }
 
+/// Past the apex the equation goes on as the mirrored tip, which these rays meet 4e-14 above it.
+TEST_P(Kernel, RaysPastTheApexMiss) {
+  if (GetParam().surface->name != "teardrop") GTEST_SKIP() << "no apex";
+  const std::vector<Ray> rays{{{0x1.f1a786be89b74p+2, 0x1.f65bd09f86bbp+3, 0x1.92515d76b141bp-4},
+                               {-0x1.4041f946fb4a3p-1, -0x1.8f73f275994cp-1, -0x1.02e7c529cd012p-7}},
+                              {{0x1.ac379bfc92561p+1, 0x1.25ec165043eb1p+4, 0x1.22e6b7ab6f0fcp+3},
+                               {-0x1.b414446903c19p-3, -0x1.931cad641af4ap-1, -0x1.283dfa77d23c4p-1}},
+                              {{0x1.38ed02c2e6cb7p-4, 0x1.36112d261d839p+3, -0x1.738c8e321515bp+1},
+                               {-0x1.0a97c3e4beda9p-6, -0x1.9257af9fbb15ap-1, 0x1.3c893c4fa60b1p-1}},
+                              {{0x1.f99244719008cp+0, 0x1.d8899e468f946p+3, 0x1.a13bd9d789c3dp+2},
+                               {-0x1.6c4e0d6d4b174p-3, -0x1.944cc26a7551ap-1, -0x1.2ca68b270dfbp-1}}};
+  SurfaceSpec spec;
+  spec.type = "teardrop";
+  spec.parameters.set("s", 1.0);
+  for (const bool all : {false, true}) {
+    const KernelAnswers answers = run(spec, rays, all);
+    for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(answers.hits[i], 0) << i;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Kernel, testing::ValuesIn(kernels()), [](const auto& cell) {
   return std::string(cell.param.surface->name) + "_" + std::string(cell.param.kernel->solver);
 });
