@@ -1,7 +1,7 @@
 // Kernels whose operations are counted: their own sources once more, with lanes that count.
 //
 // solves    a batch as the kernel of that name does, one ray after another, and adds what its lanes did to
-//           the count of the open CountingScope (solvers/math/lanes_counting.hpp)
+//           the count of the open CountingScope (solvers/math/counting.hpp)
 // needs     a build with the kernel. The counting component compiles its sources under second names
 //           (experiments/CMakeLists.txt)
 // returns   the same answers, bit for bit, with the same tiers
@@ -22,7 +22,7 @@
 #include <string_view>
 #include <vector>
 
-#include <graze/solvers/math/lanes_counting.hpp>
+#include <graze/solvers/math/counting.hpp>
 #include <graze/surfaces/kernel.hpp>
 
 namespace graze {

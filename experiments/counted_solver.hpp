@@ -2,14 +2,17 @@
 //
 // solves    an equation as the solver of that name does, and adds to `count` what it took
 // needs     an equation in double: a polynomial in the power basis, form scalar or form system. The counting
-//           component compiles each solver's source under a second name (experiments/CMakeLists.txt); a
-//           solver whose `solve` is no template over the number type is not counted
+//           component compiles each solver's source under a second name (experiments/CMakeLists.txt), for a
+//           number type that counts; where its `solve` is no template over that (certified, faithful,
+//           descartes, interval_bisection, interval_newton), with double itself one that does
+//           (counted_ladder.hpp): in any basis, and in form interval
 // returns   the same roots, bit for bit, with the same counters
-// error     none: every operation on a number that depends on the equation is counted. Left out are
-//           operations on constants alone, to which a root belongs that was filed in double and is taken up
-//           again (3 to 7 for 100 counted ones, measured on quartics); what a solver does in double whatever
-//           its number type (a bound of all roots, filing and merging of roots); and the evaluations of f or
-//           F of a scalar equation or a system, which are the surface's: Counters::evaluations says how many
+// error     none: every operation on a number that depends on the equation is counted. Left out are, of
+//           templates, operations on constants alone, to which a root belongs that was filed in double and is
+//           taken up again (3 to 7 for 100 counted ones, measured on quartics), and what a solver does in
+//           double whatever its number type (a bound of all roots, filing and merging of roots); of ladders
+//           nothing but integers; and the evaluations of f or F of a scalar equation, an inclusion or a
+//           system, which are the surface's: Counters::evaluations says how many
 // cost      1.6 to 6 times the time of the solver (measured on quartics); memory for the coefficients
 #pragma once
 
@@ -33,6 +36,9 @@ class CountedSolver {
   virtual void solve(const PolynomialEquation& equation, Roots& roots, OperationCount& count) const = 0;
   virtual void solve(const ScalarEquation& equation, Roots& roots, OperationCount& count) const = 0;
   virtual void solve(const SystemEquation& equation, Roots& roots, OperationCount& count) const = 0;
+  virtual void solve(const IntervalEquation& equation, Roots& roots, OperationCount& count) const = 0;
+  /// Whether what other bases than the power basis take is counted too.
+  [[nodiscard]] virtual bool counts_any_basis() const { return false; }
 };
 
 struct CountedSolverEntry {
@@ -42,6 +48,9 @@ struct CountedSolverEntry {
 
 /// The counted form of every solver of the registry, in its order; generated.
 const std::vector<CountedSolverEntry>& counted_solver_registry();
+
+/// The counted form of a solver that is no template over its number (counted_ladder.hpp).
+std::unique_ptr<CountedSolver> make_counted_ladder(std::string_view name, const Parameters& options);
 
 /// The solver, counting; null where its name has none (peers).
 std::unique_ptr<CountedSolver> make_counted_solver(std::string_view name, const Parameters& options);
@@ -170,6 +179,10 @@ class CountedModel final : public CountedSolver {
   }
   void solve(const SystemEquation& equation, Roots& roots, OperationCount& count) const override {
     solve_original<Form::system>(equation, roots, count);
+  }
+  void solve(const IntervalEquation& /*equation*/, Roots& /*roots*/,
+             OperationCount& /*count*/) const override {
+    counted::refuse();
   }
 
  private:

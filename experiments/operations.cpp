@@ -14,9 +14,11 @@ struct Meter {
   bool is_complete = true;  ///< false: some equation was not counted
 };
 
-bool is_counted(const PolynomialEquation& equation) { return equation.basis == Basis::power; }
+bool is_counted(const CountedSolver& solver, const PolynomialEquation& equation) {
+  return equation.basis == Basis::power || solver.counts_any_basis();
+}
 template <class Equation>
-bool is_counted(const Equation& /*equation*/) {
+bool is_counted(const CountedSolver& /*solver*/, const Equation& /*equation*/) {
   return true;
 }
 
@@ -32,7 +34,7 @@ class MeteredSolver final : public AnySolver {
   void solve(std::span<const PolynomialEquation> e, std::span<Roots> r) const override { solve_all(e, r); }
   void solve(std::span<const ScalarEquation> e, std::span<Roots> r) const override { solve_all(e, r); }
   void solve(std::span<const SystemEquation> e, std::span<Roots> r) const override { solve_all(e, r); }
-  void solve(std::span<const IntervalEquation> /*e*/, std::span<Roots> /*r*/) const override { refuse(); }
+  void solve(std::span<const IntervalEquation> e, std::span<Roots> r) const override { solve_all(e, r); }
   void solve(std::span<const BasicPolynomialEquation<float>> /*e*/, std::span<Roots> /*r*/) const override {
     refuse();
   }
@@ -50,7 +52,7 @@ class MeteredSolver final : public AnySolver {
   void solve_all(std::span<const Equation> equations, std::span<Roots> roots) const {
     for (std::size_t i = 0; i < equations.size(); ++i) {
       roots[i].clear();
-      meter_.is_complete = meter_.is_complete && is_counted(equations[i]);
+      meter_.is_complete = meter_.is_complete && is_counted(*solver_, equations[i]);
       solver_->solve(equations[i], roots[i], meter_.totals.count);
       if constexpr (!std::is_same_v<Equation, PolynomialEquation>)
         meter_.totals.evaluations += roots[i].counters.evaluations;
@@ -108,7 +110,7 @@ std::optional<OperationTotals> count_operations(const SurfaceSpec& surface, std:
   Scene::Workspace work;
   HitBuffer hits;
   // Lanes count here; solvers in numbers that count do so by themselves.
-  const counting::CountingScope scope(meter.totals.count);
+  const CountingScope scope(meter.totals.count);
   scene.intersect(rays, query, {}, work, hits);
   if (!meter.is_complete) return std::nullopt;
   meter.totals.rays = rays.size();

@@ -16,8 +16,8 @@ namespace graze {
 struct OperationTotals {
   /// Of the solver, all equations; of a kernel its lanes, from the ray's numbers to l (counted_kernel.hpp).
   OperationCount count;
-  /// Calls of a scalar equation's f or a system's F: their operations are the surface's and not in `count`. 0
-  /// for polynomials, whose evaluations are the solver's own.
+  /// Calls of a scalar equation's f, its inclusions or a system's F: their operations are the surface's and
+  /// not in `count`. 0 for polynomials, whose evaluations are the solver's own.
   std::uint64_t evaluations = 0;
   std::size_t rays = 0;
 
@@ -27,9 +27,9 @@ struct OperationTotals {
 };
 
 /// Runs the surface's rays through the same scene with the solver in numbers that count, or the kernel in
-/// lanes that do. Nothing where the cell cannot be counted: form interval, float, equations in the Bernstein
-/// basis (whose change to powers is made in double), solvers that are no template over the number, peers, and
-/// the kernel of Bezier profiles for `faithful`. Throws as build_scene does.
+/// lanes that do. Nothing where the cell cannot be counted: float, Ceres, peers, the kernel of Bezier
+/// profiles for `faithful`, and equations in the Bernstein basis (whose change to powers is made in double),
+/// but for solvers that count in any basis (counted_solver.hpp). Throws as build_scene does.
 std::optional<OperationTotals> count_operations(const SurfaceSpec& surface, std::string_view formulation,
                                                 const SolverSpec& solver, std::span<const Ray> rays,
                                                 Query query);

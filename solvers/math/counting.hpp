@@ -13,7 +13,8 @@
 //          it. Negation, abs, copies, and what only reads or moves bits (copysign, ilogb, nextafter) are
 //          free: they are no arithmetic, or fold into the next operation. A number that leaves through
 //          `static_cast<double>` is a constant from then on.
-// Cost:    one increment an operation; no allocation, no shared state, so one OperationCount a thread.
+// Cost:    one increment an operation; no allocation, no shared state, so one OperationCount a thread. Only
+//          CountingScope, for numbers without room for a pointer, is a state of its thread.
 #pragma once
 
 #include <cmath>
@@ -48,6 +49,25 @@ struct OperationCount {
     return *this;
   }
   friend constexpr bool operator==(const OperationCount&, const OperationCount&) = default;
+};
+
+/// Operations of numbers that cannot say where they are counted (lanes_counting.hpp, counting_double.hpp: they
+/// go through plain arrays) are added to `count` on this thread while the scope lives; the innermost counts.
+class CountingScope {
+ public:
+  explicit CountingScope(OperationCount& count) : outer_(current()) { current() = &count; }
+  CountingScope(const CountingScope&) = delete;
+  CountingScope& operator=(const CountingScope&) = delete;
+  ~CountingScope() { current() = outer_; }
+
+  /// Null: nothing is counted.
+  static OperationCount*& current() {
+    thread_local OperationCount* count = nullptr;
+    return count;
+  }
+
+ private:
+  OperationCount* outer_;
 };
 
 template <class T>

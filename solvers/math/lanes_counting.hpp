@@ -8,8 +8,7 @@
 // error     none: every operation of the lanes that depends on the ray is counted, as counting.hpp says.
 //           Operations on constants alone are not, nor changes between double and float, nor what the source
 //           does in scalars: once a batch, or comparisons of what is proved
-// cost      one increment an operation. The scope is the one state that is not passed in: lanes go through
-//           arrays of plain numbers, where no pointer can follow them
+// cost      one increment an operation
 #pragma once
 
 #include <cstddef>
@@ -19,23 +18,6 @@
 #include <graze/solvers/math/counting.hpp>
 
 namespace graze::counting {
-
-/// Operations of lanes on this thread are added to `count` while it lives; the innermost one counts.
-class CountingScope {
- public:
-  explicit CountingScope(OperationCount& count) : outer_(current()) { current() = &count; }
-  CountingScope(const CountingScope&) = delete;
-  CountingScope& operator=(const CountingScope&) = delete;
-  ~CountingScope() { current() = outer_; }
-
-  static OperationCount*& current() {
-    thread_local OperationCount* count = nullptr;
-    return count;
-  }
-
- private:
-  OperationCount* outer_;
-};
 
 inline constexpr int kLanes = 1;
 inline constexpr std::size_t kFloats = 2;

@@ -48,11 +48,16 @@ void expect_same(const Roots& is, const Roots& wanted, const std::string& where)
   EXPECT_EQ(is.counters.evaluations, wanted.counters.evaluations) << where;
   EXPECT_EQ(is.counters.iterations, wanted.counters.iterations) << where;
   EXPECT_EQ(is.counters.starts, wanted.counters.starts) << where;
+  EXPECT_EQ(is.counters.tier, wanted.counters.tier) << where;
   ASSERT_EQ(is.list.size(), wanted.list.size()) << where;
   for (std::size_t i = 0; i < is.list.size(); ++i) {
     EXPECT_EQ(is.list[i].x, wanted.list[i].x) << where;
     EXPECT_EQ(is.list[i].others, wanted.list[i].others) << where;
     EXPECT_EQ(is.list[i].multiplicity, wanted.list[i].multiplicity) << where;
+    EXPECT_EQ(is.list[i].certified, wanted.list[i].certified) << where;
+    EXPECT_EQ(is.list[i].placed, wanted.list[i].placed) << where;
+    EXPECT_EQ(is.list[i].tail, wanted.list[i].tail) << where;
+    EXPECT_EQ(is.list[i].side, wanted.list[i].side) << where;
     // A radius may be no number, on both sides.
     const bool is_same = is.list[i].radius == wanted.list[i].radius ||
                          (std::isnan(is.list[i].radius) && std::isnan(wanted.list[i].radius));
@@ -154,6 +159,27 @@ TEST(CountedSolvers, AnswerASystemBitForBit) {
   }
 }
 
+/// x^2 = 2 by inclusions, whose own operations no solver is charged for.
+IntervalEquation parabola_in_intervals() {
+  IntervalEquation equation;
+  equation.value = [](const void* /*self*/, Interval x) { return x * x - Interval(2, 2); };
+  equation.derivative = [](const void* /*self*/, Interval x) { return Interval(2, 2) * x; };
+  equation.lo = -2;
+  equation.hi = 3;
+  return equation;
+}
+
+TEST(CountedSolvers, AnswerInclusionsBitForBit) {
+  const IntervalEquation equation = parabola_in_intervals();
+  for (const CountedSolverEntry& entry : counted_solver_registry()) {
+    if (!entry.make({})->takes(Form::interval)) continue;
+    const Answer answer = solve_counted(entry.name, equation);
+    expect_same(answer.roots, plain(entry.name, equation), std::string(entry.name));
+    EXPECT_EQ(answer.roots.list.size(), 2U) << entry.name;
+    EXPECT_GT(answer.count.flops(), answer.roots.counters.evaluations) << entry.name;
+  }
+}
+
 TEST(CountedSolvers, RefuseAFormTheyDoNotTake) {
   if (make_counted_solver("aberth", {}) == nullptr) GTEST_SKIP() << "not in this build";
   Answer answer;
@@ -183,6 +209,16 @@ TEST(CountedSolvers, ALinearEquationInClosedFormTakesADivision) {
   ASSERT_EQ(answer.roots.list.size(), 1U);
   // -c0 / c1; the radius: 4 eps |x|, and what the coefficients' errors add, which is none.
   EXPECT_EQ(arithmetic(answer.count), (OperationCount{.additions = 1, .multiplications = 1, .divisions = 1}));
+}
+
+TEST(CountedSolvers, ALinearEquationCertifiedTakesFifteenOperations) {
+  if (make_counted_solver("certified", {}) == nullptr) GTEST_SKIP() << "not in this build";
+  const std::array<double, 2> c{3, 2};
+  const Answer answer = solve_counted("certified", power(c));
+  ASSERT_EQ(answer.roots.list.size(), 1U);
+  // Whether c1 is sure: a product. -c0 / c1. Its radius: a product and a sum for each coefficient's error,
+  // the slope's term in 2 products and a sum, 4 eps |x| and what the errors add. Inside or outside: 4 sums.
+  EXPECT_EQ(arithmetic(answer.count), (OperationCount{.additions = 8, .multiplications = 6, .divisions = 1}));
 }
 
 TEST(CountedSolvers, AQuadraticInClosedFormTakesTwentyOperations) {
@@ -340,10 +376,27 @@ TEST(CountedCells, CountsAreDeterministicAndAddUpOverRays) {
   EXPECT_EQ(sum, count(0, 100));
 }
 
+TEST(CountedCells, LaddersAreCountedInEveryBasisAndByInclusions) {
+  const std::string torus = "torus:R=1,r=0.25", teardrop = "teardrop:s=1";
+  struct Cell {
+    std::string surface, solver, formulation;
+    bool calls_f;
+  };
+  for (const auto& [text, solver, formulation, calls_f] :
+       {Cell{torus, "certified", "quartic", false}, Cell{torus, "faithful", "quartic", false},
+        Cell{torus, "descartes", "quartic_recentred", false},
+        Cell{teardrop, "descartes", "implicit_sextic_bernstein", false},
+        Cell{torus, "interval_bisection", "along_ray", true}}) {
+    if (make_counted_solver(solver, {}) == nullptr) continue;
+    const auto totals = cell(text, solver, formulation);
+    ASSERT_TRUE(totals.has_value()) << solver;
+    EXPECT_GT(totals->per_ray(totals->count.flops()), 50) << solver;
+    EXPECT_EQ(totals->evaluations > 0, calls_f) << solver;
+  }
+}
+
 TEST(CountedCells, WhatCannotBeCountedIsAbsent) {
   const std::string torus = "torus:R=1,r=0.25";
-  EXPECT_FALSE(cell(torus, "certified", "quartic").has_value());  // no kernel's formulation
-  EXPECT_FALSE(cell(torus, "interval_bisection").has_value());
   // The change from the Bernstein basis is made in double.
   const std::string bezier = "bezier_revolution:control_points=[[0,0],[2,0],[3,2],[0,6]]";
   EXPECT_FALSE(cell(bezier, "companion").has_value());
@@ -429,7 +482,7 @@ TEST(CountedKernels, AnswerAsTheBaselineOnesBitForBit) {
       if (counted == nullptr) continue;
       for (const bool all : {false, true}) {
         OperationCount count;
-        const counting::CountingScope scope(count);
+        const CountingScope scope(count);
         const std::string where = std::string(text) + ", " + std::string(plain.solver) + (all ? ", all" : "");
         expect_same(answers_of(*counted, spec, rays, all), answers_of(plain, spec, rays, all), where);
         EXPECT_GT(count.flops(), 20 * rays.size()) << where;
@@ -445,7 +498,7 @@ TEST(CountedKernels, AnswerAsTheBaselineOnesBitForBit) {
 OperationCount count_sphere(std::string_view text, std::span<const Ray> rays) {
   const KernelEntry* const kernel = find_counted_kernel("sphere", "certified", "foot");
   OperationCount count;
-  const counting::CountingScope scope(count);
+  const CountingScope scope(count);
   const KernelAnswers answers = answers_of(*kernel, surface(text), rays, false);
   for (const std::int8_t hits : answers.hits) EXPECT_EQ(hits, 1);
   return count;
@@ -532,8 +585,8 @@ TEST(CountedKernels, CountNothingOutsideAScope) {
   const std::vector<Ray> rays = rays_at(spec, 10);
   OperationCount outer, inner;
   {
-    const counting::CountingScope scope(outer);
-    const counting::CountingScope nested(inner);
+    const CountingScope scope(outer);
+    const CountingScope nested(inner);
     answers_of(*kernel, spec, rays, true);
   }
   const OperationCount before = inner;
