@@ -12,7 +12,7 @@
 //           Where `faithful` finds every hit by such a tier (Bezier profiles), there is no counted kernel. A
 //           vector of many rays goes on until its last one is done; a ray by itself stops when it is, so that
 //           the count depends on no instruction set
-// cost      some 20 times that of the kernel
+// cost      3 to 30 times the time of the baseline kernel (camera rays, measured)
 #pragma once
 
 #include <cstdint>

@@ -51,8 +51,9 @@ struct OperationCount {
   friend constexpr bool operator==(const OperationCount&, const OperationCount&) = default;
 };
 
-/// Operations of numbers that cannot say where they are counted (lanes_counting.hpp, counting_double.hpp: they
-/// go through plain arrays) are added to `count` on this thread while the scope lives; the innermost counts.
+/// Operations of numbers that cannot say where they are counted, as they go through plain arrays
+/// (lanes_counting.hpp, counting_double.hpp), are added to `count` on this thread while the scope lives; the
+/// innermost one counts.
 class CountingScope {
  public:
   explicit CountingScope(OperationCount& count) : outer_(current()) { current() = &count; }
