@@ -7,9 +7,8 @@
 // returns       an equation for a ray that meets the figure; nothing for one that does not;
 //               Status::uncertain where a sign is beyond intervals and the figure's numbers are not exact in
 //               its units;
-//               Status::failed where the ray's numbers leave double in the figure's units; solvers that prove
-//               their answers are told of the rays that pass it there too, and of the others
-//               Status::uncertain
+//               Status::failed where the ray's numbers leave double in the figure's units, but for solvers
+//               that prove their answers: those are answered by integers
 // error         decisions: none. Coefficients: 1 ulp each; l within 4 ulps with closed_form (measured:
 //               3.97)
 // cost          some 20 interval operations a sign; expansions (0.2 ... 1 us) where those cannot tell
@@ -299,6 +298,16 @@ inline bool is_usable(const LocalRay& ray) {
   return is_finite(ray.o) && is_finite(ray.p) && is_finite(ray.d) && std::isfinite(ray.centre);
 }
 
+/// Origins beyond double in local units: l is measured in units as far beyond, for integers to answer.
+inline void measure_far(LocalRay& ray) {
+  constexpr int kFar = 1000;
+  if (!is_finite(ray.o) && ray.centre == 0) measure_l(ray, kFar);
+}
+/// Whether integers can answer a ray whose numbers leave double in local units.
+inline bool is_for_integers(const LocalRay& ray, const ExactPlane& plane, const EquationBlock& block) {
+  return plane.exact && block.wants_coefficient_errors() && is_valid(ray.world);
+}
+
 /// Recentres the ray about the ball; false: it certainly passes the ball. lo and hi are set to l >= 0 and,
 /// for a figure whose hits all lie in the ball, to where the ray may be inside it.
 inline bool clip(LocalRay& ray, const Ball& ball, bool hits_lie_inside) {
@@ -306,7 +315,10 @@ inline bool clip(LocalRay& ray, const Ball& ball, bool hits_lie_inside) {
   recentre_within_range(ray, ball.centre, kNear);
   ray.lo = -ray.centre;
   ray.hi = std::numeric_limits<double>::infinity();
-  if (!is_usable(ray)) return true;
+  if (!is_usable(ray)) {
+    measure_far(ray);
+    return true;
+  }
   // Wide margins cost nothing here: 2^-20 of the ball, and 2^8 times the rounding of p and of p - centre.
   const Vec3 offset = ray.p - ball.centre;
   const double reach = (1 + 0x1p-20) * ball.radius + 0x1p-45 * (max_abs(ray.p) + max_abs(ball.centre));
@@ -361,9 +373,33 @@ ExactCoefficients exact_by_formulas(EquationBlock& block, const LocalRay& ray, c
   return exact_by(block, ray.centre, exact, near);
 }
 
+/// Poses where a ray crosses the plane whose numbers leave double in local units: about its origin, by
+/// integers, times the power of two that makes the slope about 1.
+inline void pose_far_crossing(EquationBlock& block, const LocalRay& ray, const ExactPlane& plane) {
+  constexpr long kMost = 1000;  // exponents of l that leave room for bounds
+  const Dyadic slope = plane.slope<Dyadic>(ray), height = plane.height(origin_as<Dyadic>(ray));
+  const long shift = -slope.top_exponent();
+  if (std::abs(height.top_exponent() + shift) > kMost) return block.settle(Status::uncertain);
+  const auto enclosed = [shift](const Dyadic& x) {
+    const Dyadic scaled = scale_by_power(x, shift);
+    return Interval{scaled.round_down(), scaled.round_up()};
+  };
+  const auto rounded = [c = std::array{enclosed(height), enclosed(slope)}](auto number) {
+    using T = decltype(number);
+    return std::array<T, 2>{middle_as<T>(c[0]), middle_as<T>(c[1])};
+  };
+  const auto exact = [self = &plane, where = &ray](std::span<Dyadic> to) {
+    to[0] = self->height(origin_as<Dyadic>(*where));
+    to[1] = self->slope<Dyadic>(*where);
+  };
+  pose_in_delta(block, 0, 0, std::numeric_limits<double>::infinity(), ray.seed(), 1, rounded,
+                exact_by(block, 0, exact));
+}
+
 /// Poses where the ray crosses the plane.
 inline void pose_crossing(EquationBlock& block, const LocalRay& ray, std::uint64_t seed,
                           const ExactPlane& plane, const Judge& judge) {
+  if (!is_usable(ray)) return pose_far_crossing(block, ray, plane);
   const auto slope = [self = &plane, where = &ray](auto number) {
     return self->slope<decltype(number)>(*where);
   };
@@ -390,13 +426,10 @@ template <class Inside, class Within>
 void pose_exact(EquationBlock& block, const LocalRay& ray, const ExactPlane& plane, bool exact,
                 const Inside& is_inside, const Within& pose_within) {
   const bool usable = is_usable(ray);
-  // Integers decide whether a ray passes also where its numbers leave double in the figure's units.
-  const bool in_integers = plane.exact && block.wants_coefficient_errors() && is_valid(ray.world);
-  if (!usable && !in_integers) return block.settle(Status::failed);
+  if (!usable && !is_for_integers(ray, plane, block)) return block.settle(Status::failed);
   Judge judge(usable && exact && plane.holds(ray), plane.exact);
   const Meeting meeting = meet(judge, plane, ray);
   const bool inside = meeting == Meeting::ahead && !judge.undecided() && is_inside(judge);
-  if (!usable && inside) return block.settle(Status::uncertain);
   if (meeting == Meeting::within && !judge.undecided()) pose_within(judge);
   if (judge.undecided()) return block.settle(Status::uncertain);
   if (inside) pose_crossing(block, ray, ray.seed(), plane, judge);

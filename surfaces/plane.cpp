@@ -16,8 +16,9 @@ FormulationInfo PlaneExact::info() {
 }
 
 void PlaneExact::pose(const LocalRay& ray, EquationBlock& block) const {
-  if (!planar::is_usable(ray)) return block.settle(Status::failed);
-  planar::Judge judge(data.plane.holds(ray), data.plane.exact);
+  const bool usable = planar::is_usable(ray);
+  if (!usable && !planar::is_for_integers(ray, data.plane, block)) return block.settle(Status::failed);
+  planar::Judge judge(usable && data.plane.holds(ray), data.plane.exact);
   const planar::Meeting meeting = planar::meet(judge, data.plane, ray);
   const bool from_behind =
       data.one_sided && meeting == planar::Meeting::ahead &&
@@ -143,7 +144,10 @@ bool Plane::keep_in_range(LocalRay& ray, const Interval& l) {
 bool Plane::clip_about_crossing(LocalRay& ray) const {
   ray.lo = 0;
   ray.hi = std::numeric_limits<double>::infinity();
-  if (!planar::is_usable(ray)) return true;
+  if (!planar::is_usable(ray)) {
+    planar::measure_far(ray);
+    return true;
+  }
   const planar::Judge judge(data.plane.holds(ray));
   constexpr double kCoarse = 0x1p-20;
   const Interval c1 =
