@@ -155,6 +155,8 @@ class FaithfulKernel {
     for (std::size_t rank = 0; static_cast<int>(rank) < to.hits[at]; ++rank) {
       if (to.l[rank].size() <= at) to.l[rank].resize(to.hits.size());
       to.l[rank][at] = from.l[rank][k];
+      const bool touches = (from.touching[k] >> rank & 1U) != 0;
+      if (touches) to.set_multiplicity(at, rank, from.multiplicity(k, static_cast<int>(rank)));
     }
     to.touching[at] = all ? from.touching[k] : from.touching[k] & std::uint8_t{1};
     to.tier[at] = std::max(from.tier[k], std::uint8_t{2});
