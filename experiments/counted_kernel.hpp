@@ -6,12 +6,10 @@
 //           (experiments/CMakeLists.txt)
 // returns   the same answers, bit for bit, with the same tiers
 // error     none in the lanes: all their operations are counted as the source has them, those of guesses in
-// float and of tiers in
-//           lanes of double-doubles too. What tiers in scalars do is not: the torus's and the Bezier
-//           profile's double-doubles, exact integers, and the solver itself where a kernel leaves a ray open.
-//           Where `faithful` finds every hit by such a tier (Bezier profiles), there is no counted kernel. A
-//           vector of many rays goes on until its last one is done; a ray by itself stops when it is, so that
-//           the count depends on no instruction set
+//           float and of tiers in lanes of double-doubles too. What tiers in scalars do is not: the torus's
+//           and the Bezier profile's double-doubles, exact integers, and the solver itself where a kernel
+//           leaves a ray open. A vector of many rays goes on until its last one is done; a ray by itself
+//           stops when it is, so that the count depends on no instruction set
 // cost      3 to 30 times the time of the baseline kernel (camera rays, measured)
 #pragma once
 

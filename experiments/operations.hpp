@@ -27,9 +27,9 @@ struct OperationTotals {
 };
 
 /// Runs the surface's rays through the same scene with the solver in numbers that count, or the kernel in
-/// lanes that do. Nothing where the cell cannot be counted: float, Ceres, peers, the kernel of Bezier
-/// profiles for `faithful`, and equations in the Bernstein basis (whose change to powers is made in double),
-/// but for solvers that count in any basis (counted_solver.hpp). Throws as build_scene does.
+/// lanes that do. Nothing where the cell cannot be counted: float, Ceres, peers, and equations in the
+/// Bernstein basis (whose change to powers is made in double), but for solvers that count in any basis
+/// (counted_solver.hpp). Throws as build_scene does.
 std::optional<OperationTotals> count_operations(const SurfaceSpec& surface, std::string_view formulation,
                                                 const SolverSpec& solver, std::span<const Ray> rays,
                                                 Query query);

@@ -3,9 +3,8 @@
 //
 // Solves:  a solver's source, included after this header, compiles for T = Counted<double>.
 // Needs:   to come before that source: a qualified name is looked up where it is written. Overloads in std
-// for
-//          a type of one's own are not the standard's, though every compiler takes them; so this header is
-//          for the counting component alone, and no library includes it.
+//          for a type of one's own are not the standard's, though every compiler takes them; so this header
+//          is for the counting component alone, and no library includes it.
 // Returns, error, cost: those of counting.hpp.
 #pragma once
 
