@@ -1,8 +1,7 @@
 // Inclusion by intervals and bisection, with epsilons by region.
 //
 // solves    f(x) = 0 on [lo, hi] by inclusion functions (form interval), or p(x) = 0 (form polynomial, with
-// the
-//           coefficients' error bounds); unbounded polynomials within their root bound
+//           the coefficients' error bounds); unbounded polynomials within their root bound
 // returns   ok: the listed roots are proved, each alone in [x - radius, x + radius], and there is no other;
 //           uncertain: an interval could neither be proved empty nor shown to hold exactly one root within
 //           its epsilon (touching roots always end here); the listed roots are proved still; coincident for

@@ -5,8 +5,7 @@
 // returns   ok; coincident for the zero polynomial; failed where a root is not reached in kSteps steps (the
 //           list then holds the real roots found before); invalid for coefficients that are not finite
 // error     each root is iterated on p itself, not on the deflated polynomial, until |p| is below the bound
-// of
-//           its own rounding: the error of a relative change of each coefficient by some n u. `radius` is
+//           of its own rounding: the error of a relative change of each coefficient by some n u. `radius` is
 //           the first-order estimate of power_basis
 // cost      some 4 to 6 evaluations of p, p', p'' for a simple root; no allocation up to degree 32 and for
 //           the power basis

@@ -11,8 +11,7 @@
 //           kBackward n u); another basis adds the rounding of the change
 // cost      no allocation up to degree kInline, except for another basis
 // source    the backward-error rule: Higham, "Accuracy and Stability of Numerical Algorithms", 2nd ed.
-// (2002),
-//           section 5.1
+//           (2002), section 5.1
 #pragma once
 
 #include <algorithm>

@@ -240,8 +240,7 @@ inline SurfaceSpec implicit_spec(std::string_view type, const Bounds& box,
   return spec;
 }
 
-// ------------------------------------------------------------------------------------------------
-// definitions
+// ----------------------------------------------------------------------------------------------- definitions
 
 template <ImplicitFunction F>
 void Implicit<F>::prepare() {

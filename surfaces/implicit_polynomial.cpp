@@ -106,8 +106,7 @@ void trim(Univariate<T>& p) {
   while (p.size > 0 && is_exact_zero(p.c[p.size - 1])) --p.size;
 }
 
-// --------------------------------------------------------------------------------------------------
-// recentred
+// ------------------------------------------------------------------------------------------------- recentred
 
 /// Are polynomials of f's degree in the ray's numbers exact as expansions?
 bool is_exact_range(const PolynomialTerms& f, const LocalRay& ray) {
@@ -201,8 +200,7 @@ bool is_usable(const LocalRay& ray) {
   return is_finite(ray.p) && is_finite(ray.d) && std::isfinite(ray.centre);
 }
 
-// ------------------------------------------------------------------------------------------- values and
-// points
+// ----------------------------------------------------------------------------------------- values and points
 
 using WidePoint = std::array<DoubleDouble, 3>;
 
@@ -330,8 +328,7 @@ std::optional<Landmarks::Singular> singularity_at_origin(const PolynomialTerms& 
 
 }  // namespace
 
-// -------------------------------------------------------------------------------------------------------
-// terms
+// ----------------------------------------------------------------------------------------------------- terms
 
 PolynomialTerms::PolynomialTerms(std::span<const std::vector<double>> rows) {
   std::map<std::array<int, 3>, Expansion, std::greater<>> sums;
@@ -376,8 +373,7 @@ void PolynomialTerms::localize() {
   for (Term& term : terms_) term.c = scale_by_power(term.c, unit_ * total_degree(term.powers) - highest);
 }
 
-// --------------------------------------------------------------------------------------------------
-// recentred
+// ------------------------------------------------------------------------------------------------- recentred
 
 ImplicitPolynomialRecentred::ImplicitPolynomialRecentred(const ImplicitPolynomial& surface)
     : terms(&surface.terms) {}
@@ -420,8 +416,7 @@ void ImplicitPolynomialRecentred::lift(const LocalRay& /*ray*/, const Posed& /*p
   hits.push_back({.multiplicity = root.multiplicity, .delta = root.x, .is_root = true});
 }
 
-// ------------------------------------------------------------------------------------------------------
-// power
+// ----------------------------------------------------------------------------------------------------- power
 
 ImplicitPolynomialPower::ImplicitPolynomialPower(const ImplicitPolynomial& surface) : terms(&surface.terms) {}
 
@@ -450,8 +445,7 @@ void ImplicitPolynomialPower::lift(const LocalRay& ray, const Posed& /*posed*/, 
   hits.push_back({.multiplicity = root.multiplicity, .delta = root.x - ray.centre});
 }
 
-// -----------------------------------------------------------------------------------------
-// implicit_polynomial
+// --------------------------------------------------------------------------------------- implicit_polynomial
 
 SurfaceInfo ImplicitPolynomial::info() {
   SurfaceInfo info;

@@ -132,8 +132,7 @@ class Judge {
   bool undecided_ = false;
 };
 
-// ---------------------------------------------------------------------------------------------- small
-// algebra
+// --------------------------------------------------------------------------------------------- small algebra
 
 template <class T>
 using Array3 = std::array<T, 3>;
@@ -178,8 +177,7 @@ inline std::array<Vec3, 2> tangents(Vec3 n) {
   return {first, cross(n, first)};
 }
 
-// -------------------------------------------------------------------------------------------------- the
-// plane
+// ------------------------------------------------------------------------------------------------- the plane
 
 /// n.x = b in local units, exactly.
 struct ExactPlane {
@@ -285,8 +283,7 @@ Array3<T> point_at_centre(const LocalRay& ray) {
   }
 }
 
-// ----------------------------------------------------------------------------------------- the ray's
-// equation
+// ---------------------------------------------------------------------------------------- the ray's equation
 
 /// A ball that holds a figure, local units.
 struct Ball {
@@ -545,8 +542,7 @@ inline WithinPolygon within_polygon(std::span<const Vec3> v, const LocalRay& ray
   return answer;
 }
 
-// ------------------------------------------------------------------------------- what textbook formulas
-// share
+// ------------------------------------------------------------------------------ what textbook formulas share
 
 /// Kinds of a textbook formulation: the arithmetic of its inside test.
 enum PlainKind : std::uint32_t { kDouble, kFloat };
@@ -579,8 +575,7 @@ void lift_plain(const LocalRay& ray, const Posed& posed, const Root& root, std::
   if (inside) hits.push_back({.multiplicity = 1, .delta = root.x - ray.centre});
 }
 
-// ------------------------------------------------------------------------------------------------ vertex
-// lists
+// ---------------------------------------------------------------------------------------------- vertex lists
 
 inline std::vector<Vec3> vertices_of(const SurfaceSpec& spec) {
   std::vector<Vec3> vertices;

@@ -7,8 +7,7 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& why) { throw std::invalid_argument("vertices" + why); }
 
-// ------------------------------------------------------------------------------------ the polygon in its
-// plane
+// ---------------------------------------------------------------------------------- the polygon in its plane
 
 /// The vertices in the projection that drops one axis, and exact decisions about them.
 class Outline {

@@ -5,8 +5,7 @@
 //           open: grazing ones, those past a pole, origins near the surface
 // needs     lines in units in which s = m is in [1, 2) and max |d_i| in [1, 2)
 // returns   by line: `open`, or what is proved of it: that it misses, or brackets of its entry and exit; and
-// on
-//           which side of the surface its origin is
+//           on which side of the surface its origin is
 // error     a bracket is 2^-51 (|l| + 1) wide, or as narrow as the sign of the equation can be told
 // cost      8 to 20 evaluations of about 500 operations in double-double, shared by the lanes; no allocation
 // source    graze; double-double arithmetic as in solvers/math/lanes_double_double.hpp

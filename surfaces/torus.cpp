@@ -25,8 +25,7 @@ std::array<T, 3> direction(const LocalRay& ray) {
   return {exactly<T>(ray.d.x), exactly<T>(ray.d.y), exactly<T>(ray.d.z)};
 }
 
-// -------------------------------------------------------------------------------------------
-// quartic_recentred
+// ----------------------------------------------------------------------------------------- quartic_recentred
 
 /// f = K^2 + 4 R^2 (y^2 - r^2), K = |x|^2 - R^2 - r^2: half the cancellation of the document's form, and none
 /// about the top circle. Ascending in delta, x = p + delta d.
@@ -70,8 +69,7 @@ Quartic quartic_balls(const TorusProfile& profile, const LocalRay& ray) {
                                       : exact_quartic<Dyadic>(profile, ray);
 }
 
-// ---------------------------------------------------------------------------------------------------
-// along_ray
+// ------------------------------------------------------------------------------------------------- along_ray
 
 /// F(delta) = (rho - ring)^2 + y^2 - r^2 of one ray; ring = -R is the inner sheet.
 struct AlongRay {
@@ -287,8 +285,7 @@ void TorusQuartic::lift(const LocalRay& ray, const Posed& /*posed*/, const Root&
   append(root, -ray.centre, hits);
 }
 
-// -------------------------------------------------------------------------------------------------------
-// torus
+// ----------------------------------------------------------------------------------------------------- torus
 
 SurfaceInfo Torus::info() {
   SurfaceInfo info;

@@ -105,8 +105,7 @@ unsigned lanes_left(const Queue& queue, std::size_t i) {
   return queue.size - i < kLanes ? (1U << (queue.size - i)) - 1 : (1U << kLanes) - 1;
 }
 
-// ------------------------------------------------------------------------------------------------ the
-// quartic
+// ----------------------------------------------------------------------------------------------- the quartic
 
 /// f along a line about its foot, with what bounds its errors.
 struct Shape {
@@ -591,8 +590,7 @@ void find_inner(const Frame& frame, const Queue& lines, const Pairs& pairs, std:
   find_roots(frame, tasks, ends, 4);
 }
 
-// --------------------------------------------------------------------------------------------------
-// conclusions
+// ----------------------------------------------------------------------------------------------- conclusions
 
 /// Hits of a line in ascending order, as hits of the ray.
 void answer(const TorusBatch& batch, const double* l, int count, double back, std::size_t to,

@@ -1,8 +1,7 @@
 // A number that stands for double in a source that says double: it counts where CountingScope says.
 //
 // Solves:  a source without templates, compiled with `double` meaning CountingDouble, adds what it does to
-// the
-//          count of the scope that is open on its thread (experiments/counted_sources.hpp).
+//          the count of the scope that is open on its thread (experiments/counted_sources.hpp).
 // Needs:   as counting_in_std.hpp, whose remark on overloads in std holds here too: for the counting
 //          component alone.
 // Returns: what double gives, bit for bit; it has its size and layout.

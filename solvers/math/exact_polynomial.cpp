@@ -111,8 +111,7 @@ bool surely_coprime(const ExactPolynomial& a, const ExactPolynomial& b) {
   return x.size() == 1;
 }
 
-// -------------------------------------------------------------------------------------------
-// Isolation
+// ------------------------------------------------------------------------------------------------- Isolation
 
 /// All real roots are below 2^k in magnitude: Fujiwara's 2 max |c_(n-i) / c_n|^(1/i), by bit lengths.
 long root_bound_exponent(std::span<const BigInteger> c) {
@@ -340,8 +339,7 @@ void isolate_nonzero(const ExactPolynomial& p, const DyadicInterval& interval, s
 
 }  // namespace
 
-// -------------------------------------------------------------------------------------------
-// Polynomials
+// ----------------------------------------------------------------------------------------------- Polynomials
 
 ExactPolynomial::ExactPolynomial(std::vector<BigInteger> c) : c_(std::move(c)) { drop_leading_zeros(c_); }
 ExactPolynomial::ExactPolynomial(std::span<const Dyadic> c) : ExactPolynomial(integers_like(c)) {}
@@ -554,8 +552,7 @@ std::vector<SquareFreeFactor> square_free_factors(const ExactPolynomial& p) {
   return factors;
 }
 
-// -------------------------------------------------------------------------------------------
-// Roots
+// ----------------------------------------------------------------------------------------------------- Roots
 
 DyadicInterval dyadic_interval(double lo, double hi) {
   const auto end = [](double x) { return std::isinf(x) ? std::optional<Dyadic>() : Dyadic(x); };

@@ -2,8 +2,7 @@
 // many numbers at a time, the same bits on every instruction set.
 //
 // needs     what lanes.hpp needs; numbers as in double_double.hpp. Included by sources that are compiled for
-// one
-//           instruction set each, which must not share the scalar functions (lanes.hpp)
+//           one instruction set each, which must not share the scalar functions (lanes.hpp)
 // error     relative, u = 2^-53: sums 3 u^2, with a double 2; products 5, with a double 2; quotients 15, by a
 //           double 3; roots 25/8
 // cost      operations as in double_double.hpp, a vector each

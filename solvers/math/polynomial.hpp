@@ -4,8 +4,7 @@
 // Needs:   coefficients ascending, any number of them (none: the zero polynomial); rounding to nearest.
 //          c_error is empty (exact coefficients) or has c's length and bounds |c[i] - true c[i]|.
 // Returns: a value with |value - p(x)| <= error, proved: the rounding of the bound itself and underflow are
-// in
-//          it. error is inf where something overflows or is not a number.
+//          in it. error is inf where something overflows or is not a number.
 // Cost:    one pass, no allocation.
 // Source:  Higham, "Accuracy and Stability of Numerical Algorithms", 2nd ed., SIAM 2002, algorithm 5.1
 //          (running error bound); changed: written with the rounded products instead of 2 mu - |y|, so that

@@ -137,8 +137,7 @@ Finding judge_answer(const Promise& promise, const Ray& ray, const truth::Answer
   return {Fault::none, "", error};
 }
 
-// ------------------------------------------------------------------------------------------------ one
-// surface
+// ----------------------------------------------------------------------------------------------- one surface
 
 constexpr unsigned set_of(std::initializer_list<Fault> faults) {
   unsigned set = 0;

@@ -193,8 +193,7 @@ TEST_P(CertifiedSolvers, AreNeverWrongOnAnyFamilyInAnyFormulation) {
 INSTANTIATE_TEST_SUITE_P(Surfaces, CertifiedSolvers, testing::ValuesIn(certified_cases()),
                          [](const auto& which) { return which.param.surface; });
 
-// --------------------------------------------------------------------------------------------- worked by
-// hand
+// -------------------------------------------------------------------------------------------- worked by hand
 
 struct Worked {
   Ray ray;
@@ -256,8 +255,7 @@ TEST(WorkedHits, TheTouchingRayIsHitTwiceInOnePlaceOrUncertain) {
   }
 }
 
-// -------------------------------------------------------------------------------------------------
-// tests/data
+// ------------------------------------------------------------------------------------------------ tests/data
 
 using Decimal = boost::multiprecision::cpp_dec_float_100;
 using Rational = boost::multiprecision::mpq_rational;

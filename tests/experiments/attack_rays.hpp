@@ -193,8 +193,7 @@ inline Ray structured_ray(const AnySurface& surface, Rng& rng) {
   }
 }
 
-// ------------------------------------------------------------------------------------------------------
-// moves
+// ----------------------------------------------------------------------------------------------------- moves
 
 /// A neighbour on a surface of size L: ulps, one bit of a mantissa, another length of d, another origin on
 /// the ray, fewer bits.

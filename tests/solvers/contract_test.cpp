@@ -117,8 +117,7 @@ std::vector<Known> touching_equations() {
           of_fractions("a square beside a pair", {{3, 4}, {3, 4}}, 0, 1, {1, 0, 1})};
 }
 
-// ------------------------------------------------------------------------------------- one equation, four
-// forms
+// ---------------------------------------------------------------------------------- one equation, four forms
 
 double derivative_coefficient(const std::vector<double>& c, std::size_t i, int order) {
   double factor = 1;
@@ -200,8 +199,7 @@ Roots solve_form(const AnySolver& solver, Form form, const Known& known) {
   return roots;
 }
 
-// ------------------------------------------------------------------------------------------------------
-// cells
+// ----------------------------------------------------------------------------------------------------- cells
 
 struct Cell {
   const SolverEntry* solver;
@@ -717,8 +715,7 @@ TEST_P(PolynomialCell, CoefficientErrorsWidenWhatACertifiedSolverLeavesOpen) {
 INSTANTIATE_TEST_SUITE_P(Cells, PolynomialCell, testing::ValuesIn(polynomial_cells()),
                          [](const auto& cell) { return std::string(cell.param.solver->name); });
 
-// ----------------------------------------------------------------------------------------- a geometric
-// system
+// ---------------------------------------------------------------------------------------- a geometric system
 
 /// The line (x, 3/5) and the unit circle (cos a, sin a): x = -4/5 and 4/5.
 void circle_eval(const void* /*self*/, const Vector& x, Vector& f, Matrix& jacobian) {
@@ -776,8 +773,7 @@ INSTANTIATE_TEST_SUITE_P(Cells, SystemCell, testing::ValuesIn(system_cells()),
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(SystemCell);
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(PolynomialCell);
 
-// --------------------------------------------------------------------------------- a solver of the user's
-// own
+// -------------------------------------------------------------------------------- a solver of the user's own
 
 /// Scans for sign changes on a grid and bisects: the fewest lines the concept allows.
 struct SignScan {

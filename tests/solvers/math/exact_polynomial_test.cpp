@@ -115,8 +115,7 @@ std::size_t sturm_count(const ExactPolynomial& p, const Dyadic& lo, const Dyadic
                                   variations(sequence, moved(hi, fine, 1)));
 }
 
-// -------------------------------------------------------------------------------------------
-// What every answer must be
+// --------------------------------------------------------------------------------- What every answer must be
 
 /// Ascending, each in an interval of its own with a change of sign, exact roots zeros; as many as said.
 void expect_well_formed(const ExactPolynomial& p, const std::vector<RealRoot>& roots) {
