@@ -38,7 +38,7 @@ struct HardPolynomial {
 
   /// What a relative change of every coefficient by n u moves root x by, to first order.
   [[nodiscard]] double condition_radius(double x) const {
-    const WideValue p = evaluate_wide(c, x);
+    const WideValue p = evaluate_wide(c, static_cast<long double>(x));
     if (p.size == 0) return 0;  // a root at 0 stays where it is
     const double n = static_cast<double>(c.size()) - 1;
     return n * 0x1p-53 * static_cast<double>(p.size / std::fabs(p.derivative));
