@@ -205,7 +205,7 @@ TEST(BezierRevolutionKernel, TheFirstOfTwoHitsBesideACrossingIsTheFirstWithinAnU
   scene.intersect(rays, Query::first, {}, work, hits);
   double worst = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    const truth::Hit& hit = truth->all(rays[i], {.digits = 34}).hits.at(0);
+    const truth::Hit hit = truth->all(rays[i], {.digits = 34}).hits.at(0);
     ASSERT_EQ(hits.end(i) - hits.begin(i), 1U);
     const double error = std::fabs((hits.l[hits.begin(i)] - hit.l.head) - hit.l.tail) / ulp(hit.l.head);
     EXPECT_LE(error, 1) << i;
