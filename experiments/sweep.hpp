@@ -17,8 +17,8 @@ struct SweepConfig {
   std::size_t rays = 1000;       ///< a family
   double match_radius = 1e-6;    ///< see Measure
   std::size_t keep_all = 20000;  ///< families up to this size keep every record
-  std::size_t sample_every =
-      100;  ///< beyond it, one record in this many is kept besides the wrong and the worst
+  /// Beyond it, one record in this many is kept besides the wrong and the worst.
+  std::size_t sample_every = 100;
   std::vector<SurfaceSpec> surfaces;
   std::vector<SolverSpec> solvers;
   bool all_formulations = true;  ///< a cell for each that a solver takes; else for the one it prefers

@@ -16,8 +16,8 @@ namespace graze {
 
 class NewtonSlices {
  public:
-  static constexpr int kSteps =
-      50;  ///< a touching root halves its error a step: 50 reach sqrt(u) from anywhere
+  /// A touching root halves its error a step: 50 reach sqrt(u) from anywhere.
+  static constexpr int kSteps = 50;
 
   static SolverInfo info();
   explicit NewtonSlices(const Parameters& options);

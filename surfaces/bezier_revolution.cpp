@@ -578,6 +578,16 @@ BezierRevolution::BezierRevolution(const SurfaceSpec& spec) {
   override_eps(spec, BezierRegions::kNames, regions.eps);
 }
 
+bool BezierRevolution::is_exact_in_unit() const {
+  constexpr int kMostUnit = 1022;
+  if (std::abs(unit_) >= kMostUnit) return false;
+  for (std::size_t i = 0; i < control_points.size(); ++i) {
+    const auto [r, y] = control_points[i];
+    if (scale_by_power(profile.r[i], unit_) != r || scale_by_power(profile.y[i], unit_) != y) return false;
+  }
+  return true;
+}
+
 LocalPoint BezierRevolution::describe(const LocalRay& ray, const LocalHit& hit) const {
   const double pole_direction = profile.orientation * (hit.t < 0.5 ? -1.0 : 1.0);
   return revolution::describe(ray, hit, profile.at(hit.t), profile.orientation, pole_direction);

@@ -113,6 +113,8 @@ struct BezierRevolution {
   explicit BezierRevolution(const SurfaceSpec& spec);
   [[nodiscard]] int unit() const { return unit_; }
   [[nodiscard]] double size() const { return size_; }
+  /// Whether the profile in its own unit is the surface's, bit for bit.
+  [[nodiscard]] bool is_exact_in_unit() const;
   [[nodiscard]] Bounds bounds() const { return revolution::box(profile, unit_); }
   /// With room for the bits that the local frame has lost.
   [[nodiscard]] bool clip(LocalRay& ray) const {
@@ -126,8 +128,8 @@ struct BezierRevolution {
 
   BezierProfile profile;
   BezierRegions regions;
-  std::vector<std::array<double, 2>>
-      control_points;  ///< (r, y) as given: the profile's underflow by its unit
+  /// (r, y) as given: the profile's underflow by its unit.
+  std::vector<std::array<double, 2>> control_points;
 
  private:
   double size_ = 0;

@@ -319,18 +319,6 @@ BezierInterval Builder::interval(const Station& a, const Station& b, bool rising
   return i;
 }
 
-/// Whether the profile in its own unit is the surface's, bit for bit.
-bool is_exact_in_unit(const BezierRevolution& surface) {
-  constexpr int kMostUnit = 1022;
-  if (std::abs(surface.unit()) >= kMostUnit) return false;
-  for (std::size_t i = 0; i < surface.control_points.size(); ++i) {
-    const auto [r, y] = surface.control_points[i];
-    if (scale_by_power(surface.profile.r[i], surface.unit()) != r) return false;
-    if (scale_by_power(surface.profile.y[i], surface.unit()) != y) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 BezierRevolutionCertified::BezierRevolutionCertified(const BezierRevolution& surface,
@@ -338,7 +326,7 @@ BezierRevolutionCertified::BezierRevolutionCertified(const BezierRevolution& sur
     : unit_(surface.unit()), set_(Certified::instruction_set(options)) {
   if (surface.profile.r.size() > BezierDoubleDouble::kMaxDegree + 1) return;
   exact_.emplace(surface.control_points);
-  if (!is_exact_in_unit(surface)) return;
+  if (!surface.is_exact_in_unit()) return;
   double_doubles_.emplace(surface.profile);
   prepare_lanes(surface.profile, scale_by_power(surface.size(), -unit_));
 }

@@ -85,18 +85,6 @@ BezierMonotone monotone_of(const BezierProfile& profile, const MonotonePiece& pi
   return m;
 }
 
-/// Whether the profile in its own unit is the surface's, bit for bit.
-bool is_exact_in_unit(const BezierRevolution& surface) {
-  constexpr int kMostUnit = 1022;
-  if (std::abs(surface.unit()) >= kMostUnit) return false;
-  for (std::size_t i = 0; i < surface.control_points.size(); ++i) {
-    const auto [r, y] = surface.control_points[i];
-    if (scale_by_power(surface.profile.r[i], surface.unit()) != r) return false;
-    if (scale_by_power(surface.profile.y[i], surface.unit()) != y) return false;
-  }
-  return true;
-}
-
 /// Whether the double next to the proved hit is within an ulp of it, on both sides.
 bool is_placed(const BezierDoubleDouble::Hit& hit) {
   constexpr double kOver = 0x1p-10;  // over the roundings of this line
@@ -111,7 +99,7 @@ BezierRevolutionFaithfulStep::BezierRevolutionFaithfulStep(const BezierRevolutio
                                                            const Parameters& options)
     : certified_(certified), set_(Certified::instruction_set(options)) {
   const BezierProfile& profile = surface.profile;
-  if (profile.flat || profile.r.size() > kMaxFaithfulBezierDegree + 1 || !is_exact_in_unit(surface)) return;
+  if (profile.flat || profile.r.size() > kMaxFaithfulBezierDegree + 1 || !surface.is_exact_in_unit()) return;
   frame_.unit = power_of_two(surface.unit());
   frame_.inverse_unit = power_of_two(-surface.unit());
   frame_.degree = profile.r.size() - 1;

@@ -19,8 +19,8 @@ namespace graze {
 
 class BezierRevolutionFaithfulStep {
  public:
-  static constexpr std::uint8_t kLastAgain =
-      1;  ///< decide() costs no more than the tier that would answer again
+  /// decide() costs no more than the tier that would answer again.
+  static constexpr std::uint8_t kLastAgain = 1;
 
   BezierRevolutionFaithfulStep(const BezierRevolution& surface, const BezierRevolutionCertified& certified,
                                const Parameters& options);

@@ -156,8 +156,8 @@ class Scene {
   static constexpr std::size_t kBlock = Intersector::kBlock;
 
  private:
-  static constexpr std::size_t kKernelBlock =
-      16 * kBlock;  ///< hard rays are few: kernels gather them from many
+  /// Hard rays are few: kernels gather them from many.
+  static constexpr std::size_t kKernelBlock = 16 * kBlock;
 
   struct Member {
     std::size_t intersector = 0;

@@ -25,8 +25,8 @@ struct SecondDegreeSurface {
   double gradient = 0;       ///< at least |g|
   double constant = 1;       ///< at least |j| + |g|^2 / norm
   double linear = 1;         ///< 2 where g is not zero
-  double of_slope =
-      0;  ///< f at y is computed within u (of_slope sum |y_i (M y + g)_i| + of_size size + 3 |j|),
+  /// f at y is computed within u (of_slope sum |y_i (M y + g)_i| + of_size size + 3 |j|);
+  double of_slope = 0;
   double of_size = 0;    ///< size: |y|.(|M| |y| + |g|) if full, |g|.|y| if diagonal
   double length = 0;     ///< at most the length of condition units; 0: none
   double farthest2 = 0;  ///< |o - centre|^2 beyond which rays are left open

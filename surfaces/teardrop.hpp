@@ -20,8 +20,8 @@ struct Teardrop;
 
 /// The profile in local units, where s = m in [1, 2) exactly.
 struct TeardropProfile {
-  static constexpr double kWidest =
-      1.8933909283226967;  ///< (14 sqrt 7 - 20)/9 = 1.89339092832269647..., rounded up
+  /// (14 sqrt 7 - 20)/9 = 1.89339092832269647..., rounded up.
+  static constexpr double kWidest = 1.8933909283226967;
   double m = 1;
 
   template <class T>

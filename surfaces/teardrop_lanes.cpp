@@ -219,11 +219,12 @@ template <bool kScaled>
 /// The rays that became lines, as arrays.
 void gather(const TeardropBatch& batch, bool scaled, Lines& lines) {
   if (lines.size == 0) return;
-  // The lanes behind the last line compute too: on a line that is there.
+  // The lanes behind the last line compute too, up to a vector of floats: on a line that is there.
   for (std::size_t i = 0; i < kFloats; ++i) lines.ray[lines.size + i] = lines.ray[0];
   store(&lines.middle[lines.size], all(lines.middle[0]));
   store(&lines.half2[lines.size], all(lines.half2[0]));
-  for (std::size_t i = 0; i < lines.size; i += kLanes) {
+  std::size_t i = 0;
+  for (; i < lines.size; i += kLanes) {
     Lanes x[6];
     load_records_at([&](std::size_t k) { return &batch.rays[lines.ray[i + k]].o.x; }, x);
     if (scaled) store(&lines.back[i], scale_direction(x) * batch.unit);
@@ -231,6 +232,10 @@ void gather(const TeardropBatch& batch, bool scaled, Lines& lines) {
       store(&lines.o[k][i], x[k] * batch.inverse_unit);
       store(&lines.d[k][i], x[3 + k]);
     }
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    store(&lines.o[k][i], all(lines.o[k][0]));
+    store(&lines.d[k][i], all(lines.d[k][0]));
   }
 }
 

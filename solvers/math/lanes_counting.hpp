@@ -2,8 +2,9 @@
 //
 // solves    a kernel's lanes source, compiled with GRAZE_COUNTED_LANES, adds what it does to the count of the
 //           CountingScope that is open on its thread
-// needs     rays one at a time: the second lane of floats has no ray of its own, and is not counted. For the
-//           counting component alone (experiments/CMakeLists.txt)
+// needs     rays one at a time: the second lane of floats has no ray of its own, and costs nothing beside
+//           the first; what a source does for it in doubles counts (the teardrop: 7 of a camera ray's
+//           312). For the counting component alone (experiments/CMakeLists.txt)
 // returns   what every lane of the other instruction sets gives, bit for bit
 // error     none: every operation of the lanes that depends on the ray is counted, as counting.hpp says.
 //           Operations on constants alone are not, nor changes between double and float, nor what the source
