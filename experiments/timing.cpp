@@ -6,8 +6,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <mutex>
 #include <numeric>
 #include <thread>
+#include <utility>
 
 namespace graze {
 namespace {
@@ -29,53 +31,56 @@ struct Memory {
   HitBuffer hits;
 };
 
-/// Answers the groups until the budget ends; returns the number of rays done.
-std::size_t answer(std::span<const TimedGroup> groups, Query query, double budget, Memory& memory) {
+/// The rays of all groups, in order, that threads take in turn: a core that something else slows takes fewer.
+class Supply {
+ public:
+  explicit Supply(std::span<const TimedGroup> groups) : groups_(groups) {}
+
+  /// The next rays, at most `most` and all of one group; none at the end.
+  TimedGroup take(std::size_t most) {
+    const std::scoped_lock lock(mutex_);
+    while (group_ < groups_.size() && next_ == groups_[group_].rays.size()) ++group_, next_ = 0;
+    if (group_ == groups_.size()) return {};
+    const TimedGroup& group = groups_[group_];
+    const std::size_t size = std::min(most, group.rays.size() - next_);
+    return {group.scene, group.rays.subspan(std::exchange(next_, next_ + size), size)};
+  }
+
+ private:
+  std::mutex mutex_;
+  std::span<const TimedGroup> groups_;
+  std::size_t group_ = 0, next_ = 0;
+};
+
+/// Answers rays until none is left or the budget ends; returns their number.
+std::size_t answer(Supply& supply, Query query, double budget, Memory& memory) {
   const auto start = Clock::now();
   double seconds = 0;
   std::size_t done = 0;
-  for (const TimedGroup& group : groups) {
-    for (std::size_t i = 0; i < group.rays.size();) {
-      // Fast solvers get large batches, as in real use; the first step tells which kind this one is.
-      const bool fast = done > 0 && seconds / static_cast<double>(done) < 1e-5;
-      const std::size_t step = std::min(fast ? kFastStep : kStep, group.rays.size() - i);
-      memory.hits.clear();
-      group.scene->intersect(group.rays.subspan(i, step), query, {}, memory.work, memory.hits);
-      i += step;
-      done += step;
-      seconds = seconds_since(start);
-      if (seconds > budget) return done;
-    }
+  while (seconds <= budget) {
+    // Fast solvers get large batches, as in real use; the first step tells which kind this one is.
+    const bool fast = done > 0 && seconds / static_cast<double>(done) < 1e-5;
+    const TimedGroup part = supply.take(fast ? kFastStep : kStep);
+    if (part.rays.empty()) break;
+    memory.hits.clear();
+    part.scene->intersect(part.rays, query, {}, memory.work, memory.hits);
+    done += part.rays.size();
+    seconds = seconds_since(start);
   }
   return done;
-}
-
-/// Part `part` of `parts` of every group.
-std::vector<TimedGroup> share(std::span<const TimedGroup> groups, std::size_t part, std::size_t parts) {
-  std::vector<TimedGroup> own;
-  for (const TimedGroup& group : groups) {
-    const std::size_t first = group.rays.size() * part / parts, end = group.rays.size() * (part + 1) / parts;
-    own.push_back({group.scene, group.rays.subspan(first, end - first)});
-  }
-  return own;
 }
 
 TimingSample run_once(const Contestant& contestant, double budget, std::span<Memory> memory) {
   TimingSample sample;
   const auto start = Clock::now();
-  if (memory.size() == 1) {
-    sample.rays = answer(contestant.groups, contestant.query, budget, memory.front());
-  } else {
-    std::vector<std::thread> threads;
-    std::vector<std::size_t> done(memory.size());
-    for (std::size_t i = 0; i < memory.size(); ++i) {
-      threads.emplace_back([&, i] {
-        done[i] = answer(share(contestant.groups, i, memory.size()), contestant.query, budget, memory[i]);
-      });
-    }
-    for (std::thread& thread : threads) thread.join();
-    sample.rays = std::accumulate(done.begin(), done.end(), std::size_t{0});
-  }
+  Supply supply(contestant.groups);
+  std::vector<std::size_t> done(memory.size());
+  const auto run = [&](std::size_t i) { done[i] = answer(supply, contestant.query, budget, memory[i]); };
+  std::vector<std::thread> threads;
+  for (std::size_t i = 1; i < memory.size(); ++i) threads.emplace_back(run, i);
+  run(0);
+  for (std::thread& thread : threads) thread.join();
+  sample.rays = std::accumulate(done.begin(), done.end(), std::size_t{0});
   const double seconds = seconds_since(start);
   sample.ns_per_ray = 1e9 * seconds / static_cast<double>(std::max<std::size_t>(sample.rays, 1));
   std::size_t all = 0;
