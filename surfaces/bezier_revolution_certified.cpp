@@ -296,12 +296,17 @@ BezierInterval Builder::interval(const Station& a, const Station& b, bool rising
   const double turn_most = (from_a || from_b ? 1 : 0.5) * mag(ratio_range(turn, square, true));
   const Station& low = rising ? a : b;
   const Station& high = rising ? b : a;
-  double largest = 0;
-  for (const Ball& x : s.hull) largest = std::max(largest, magnitude(x));
+  double smallest = kInfinity, largest = 0;
+  for (const Ball& x : s.hull) {
+    const Interval at = x.enclosure();
+    smallest = std::min(smallest, s.hull.front().enclosure().lo > 0 ? at.lo : -at.hi);
+    largest = std::max(largest, magnitude(x));
+  }
+  smallest = std::max(smallest, 0.0);
   BezierInterval i{};
   i.y_low = low.y, i.y_high = high.y;
   i.g_low = low.g, i.g_high = high.g;
-  i.g_most = up(largest * largest);
+  i.g_least = down(smallest * smallest), i.g_most = up(largest * largest);
   i.dg_low = slope.lo, i.dg_high = slope.hi;
   i.ddg_low = bend.lo, i.ddg_high = bend.hi;
   i.is_concave = is_concave(s, rising);
@@ -309,8 +314,10 @@ BezierInterval Builder::interval(const Station& a, const Station& b, bool rising
   const double ends[] = {
       low.y,         high.y,    low.g,     high.g, mean_bend(y, r, low, high, 0.5 * (sigma_low + sigma_high)),
       up(turn_most), sigma_low, sigma_high};
+  const double ranges[] = {i.g_most, i.dg_low, i.dg_high, i.ddg_low, i.ddg_high, i.is_concave ? 1.0 : 0.0};
   const double errors[] = {y.tail, r.tail, y.error, y.step, r.error, r.step, up(y.second), up(r.second)};
   std::copy(std::begin(ends), std::end(ends), i.ends);
+  std::copy(std::begin(ranges), std::end(ranges), i.ranges);
   std::copy(std::begin(errors), std::end(errors), i.errors);
   for (std::size_t k = 0; k <= kMaxBezierDegree; ++k) {
     i.powers[2 * k] = y.c[k];

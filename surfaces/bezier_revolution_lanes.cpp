@@ -2,6 +2,8 @@
 // derivation and error analysis: surfaces/bezier_revolution.md, "Kernel".
 #include <graze/surfaces/bezier_revolution_lanes.hpp>
 
+#include <utility>
+
 #include <graze/solvers/math/lanes.hpp>
 
 namespace graze::GRAZE_LANES {
@@ -240,99 +242,110 @@ struct Station {
   Lanes at;            ///< l - centre
   Lanes square, fall;  ///< |x_xz|^2 and its derivative there
   Mask below, above;   ///< certainly beyond the clip
-  Mask beside;         ///< certainly off the axis
 };
 
-Station station_at(const Line& x, const Margin& margin, Lanes lo, Lanes hi, double height) {
+/// A level line at this very height meets it nowhere in particular: no number, which proves nothing.
+[[gnu::always_inline]] inline Station station_at(const Line& x, const Margin& margin, Lanes lo, Lanes hi,
+                                                 Lanes height) {
   const Lanes delta = (height - x.py) * margin.per_rise;
-  // A level line at this very height meets it nowhere in particular: no number, so that nothing is proved of
-  // it.
-  const Lanes at = select(delta == delta, min(max(delta, lo), hi), delta);
+  const Lanes at = min(hi, max(lo, delta));
   const Lanes half = fma(x.flat2, at, x.along);
-  return {at, fma(at, half + x.along, x.square), 2 * half, delta<lo - margin.eps, delta> hi + margin.eps,
-          Mask{}};
+  return {at, fma(at, half + x.along, x.square), 2 * half, (delta < lo - margin.eps),
+          (delta > hi + margin.eps)};
 }
 
-/// The same at a pole, where G is exactly 0: F < 0 unless the line meets the axis. `off`: of a coordinate.
-Station pole_at(const Line& x, const Margin& margin, Lanes lo, Lanes hi, double height, Lanes off) {
-  Station station = station_at(x, margin, lo, hi, height);
+/// What F = G(y) - |x_xz|^2 and F' are off by at stations, and where a line is sure to be beside the axis. A
+/// station's place is off by at most eps, or 2 eps where it was cut without certainty.
+struct Errors {
+  Lanes f, df, off;
+
+  Errors(const BezierBatch& batch, const Line& x, const Margin& margin) {
+    const Lanes flat = abs(x.dx) + abs(x.dz);
+    const Lanes size = fma(margin.reach, flat, abs(x.px) + abs(x.pz));
+    const Lanes slip = 2 * flat * margin.eps;
+    f = fma(32 * kU * size, size, fma(slip, 2 * size + slip, all(batch.g_error + kTiny)));
+    df = 2 * flat * fma(all(8 * kU), size, slip);
+    off = fma(all(8 * kU), size, slip);
+  }
+};
+
+/// At a pole, where G is exactly 0, F < 0 unless the line meets the axis.
+[[gnu::always_inline]] inline Mask is_beside(const Line& x, const Station& station, const Errors& errors) {
   const Lanes px = fma(station.at, x.dx, x.px), pz = fma(station.at, x.dz, x.pz);
-  station.beside = max(abs(px), abs(pz)) > off;
-  return station;
+  return max(abs(px), abs(pz)) > errors.off;
 }
 
-/// Asks every interval of every track how often F = G(y) - |x_xz|^2 vanishes in it, by F at its ends, and the
-/// ranges of F' and F'' between them.
-void classify(const BezierBatch& batch, Lines& lines, std::size_t i) {
+/// The signs of F'' by the range of d2G/dy2.
+struct Bend {
+  Mask concave, convex;
+};
+[[gnu::always_inline]] inline Bend bend_of(const Line& x, Lanes ddg_low, Lanes ddg_high) {
+  const Lanes rise2 = x.dy * x.dy;
+  return {(x.dy == 0) | (ddg_high * rise2 < 2 * (1 - 0x1p-30) * x.flat2),
+          ddg_low * rise2 > 2 * (1 + 0x1p-30) * x.flat2};
+}
+
+void set_bits(Bits* to, Mask bits) { __builtin_memcpy(to, &bits, sizeof bits); }
+
+/// Asks every interval of every track whether F vanishes in it, or once: told of most by F at the ends and by
+/// the ranges of G and |x_xz|^2 between them. The others are left open.
+void sift(const BezierBatch& batch, Lines& lines, std::size_t i) {
   std::size_t which[kLanes];
   for (std::size_t k = 0; k < kLanes; ++k) which[k] = i + k;
   const Taken taken(lines, which);
   const Line& x = taken.x;
-  const Lanes lo = taken.field[kLo], hi = taken.field[kHi], cross2 = taken.field[kCross2];
+  const Lanes lo = taken.field[kLo], hi = taken.field[kHi];
   const Margin margin = margin_of(batch, x, lo, hi);
-  const Lanes flat = abs(x.dx) + abs(x.dz);
-  const Lanes size = fma(margin.reach, flat, abs(x.px) + abs(x.pz));
-  // A station's place is off by at most eps, or 2 eps where it was cut without certainty.
-  const Lanes slip = 2 * flat * margin.eps;
-  const Lanes f_error = fma(32 * kU * size, size, fma(slip, 2 * size + slip, all(batch.g_error + kTiny)));
-  const Lanes df_error = 2 * flat * fma(all(8 * kU), size, slip);
-  const Lanes off = fma(all(8 * kU), size, slip);
-  const Lanes rise2 = x.dy * x.dy;
-  const Mask level = x.dy == 0;
-  const Lanes origin = -taken.field[kCentre];
+  const Errors errors(batch, x, margin);
+  const Lanes nearest = taken.field[kCross2] * (1 - 0x1p-20) / x.flat2;
+  // Of what lies behind the ray's origin, one way or the other.
   const Mask falls = taken.field[kWay] < 0;
-  Mask crossed{}, rising{}, peaks{}, valleys{}, open{};
+  const Lanes from = select(falls, all(-kInfinity), -taken.field[kCentre] - 2 * margin.eps);
+  const Lanes until = select(falls, 2 * margin.eps - taken.field[kCentre], all(kInfinity));
+  struct End {
+    Lanes at, square;
+    Mask below, above, in, out, near, far;  ///< near: |x_xz|^2 may fall beyond; far: may rise before
+  };
+  const auto end_at = [&](double height, double g) {
+    const Station here = station_at(x, margin, lo, hi, all(height));
+    const Lanes f = g - here.square;
+    const Mask cut = here.below | here.above;
+    const Mask beside = g == 0 ? is_beside(x, here, errors) : Mask{};
+    return End{here.at,
+               here.square,
+               here.below,
+               here.above,
+               ~cut & (f > errors.f),
+               cut | beside | (f < -errors.f),
+               (here.fall < errors.df),
+               (here.fall > -errors.df)};
+  };
+  Mask crossed{}, rising{}, open{};
   for (std::size_t track = 0; track < batch.track_count; ++track) {
     const std::size_t begin = batch.tracks[track].begin, end = batch.tracks[track].end;
-    const auto station = [&](double height, double g) {
-      return g == 0 ? pole_at(x, margin, lo, hi, height, off) : station_at(x, margin, lo, hi, height);
-    };
-    Station a = station(batch.intervals[begin].y_low, batch.intervals[begin].g_low);
+    End a = end_at(batch.intervals[begin].y_low, batch.intervals[begin].g_low);
     for (std::size_t k = begin; k < end; ++k) {
       const BezierInterval& part = batch.intervals[k];
-      const Station b = station(part.y_high, part.g_high);
-      const Mask apart = b.below | a.above;
-      const Lanes f_a = select(a.below, all(part.g_most), all(part.g_low)) - a.square;
-      const Lanes f_b = select(b.above, all(part.g_most), all(part.g_high)) - b.square;
-      const Mask out_a = a.below | a.beside | (f_a < -f_error), in_a = ~a.below & (f_a > f_error);
-      const Mask out_b = b.above | b.beside | (f_b < -f_error), in_b = ~b.above & (f_b > f_error);
-      // F' lies in [least, most], F'' as its sign says.
-      const Lanes most = fma(all(part.dg_high), x.dy, df_error - a.fall);
-      const Lanes least = fma(all(part.dg_low), x.dy, -df_error - b.fall);
-      const Mask monotone = (most < 0) | (least > 0);
-      const Mask concave = level | (part.ddg_high * rise2 < 2 * (1 - 0x1p-30) * x.flat2);
-      const Mask convex = part.ddg_low * rise2 > 2 * (1 + 0x1p-30) * x.flat2;
+      const End b = end_at(part.y_high, part.g_high);
+      const Mask outside =
+          ((part.g_most + errors.f < min(a.square, b.square)) & ~(a.near & b.far)) | (nearest > part.g_most);
+      const Mask inside = a.in & b.in & (part.g_least - errors.f > max(a.square, b.square));
+      const Mask gone = b.below | a.above | (b.at < from) | (a.at > until);
+      const Mask none = outside | inside | gone;
+      const Bend bend = bend_of(x, all(part.ddg_low), all(part.ddg_high));
       const Mask dome = part.is_concave ? ~Mask{} : Mask{};
-      // Outside at both ends, F lies under two lines: where they cross they are below 0.
-      const Lanes gap = (b.at - a.at) + 4 * margin.eps;
-      const Mask under =
-          -(most * least) * gap * (1 + 0x1p-40) < fma(f_a + f_error, least, -(most * (f_b + f_error)));
-      // Inside at both ends, it lies over two.
-      const Mask over =
-          -(most * least) * gap * (1 + 0x1p-40) < fma(f_a - f_error, most, -(least * (f_b - f_error)));
-      const Mask beside = cross2 > part.g_most * (1 + 0x1p-20) * x.flat2;
-      const Mask both_out = out_a & out_b, both_in = in_a & in_b;
-      const Mask none = apart | (both_out & (monotone | convex | beside | under)) |
-                        (both_in & (monotone | concave | dome | over));
-      const Mask once = (out_a & in_b) | (in_a & out_b);
-      const Mask one = once & (monotone | concave | convex | dome);
-      const Mask peak = both_out & concave & ~none, valley = both_in & convex & ~none;
-      const Mask behind =
-          (~falls & (b.at + 2 * margin.eps < origin)) | (falls & (a.at - 2 * margin.eps > origin));
-      const Mask bit = (Mask{} + (std::int64_t{1} << k)) & ~(behind | apart);
+      const Mask rises = a.out & b.in, sinks = a.in & b.out;
+      const Mask one = (rises | sinks) & (bend.concave | bend.convex | dome);
+      const Mask bit = (Mask{} + (std::int64_t{1} << k)) & ~none;
       crossed |= one & bit;
-      rising |= one & out_a & bit;
-      peaks |= peak & bit;
-      valleys |= valley & bit;
-      open |= bit & ~(none | one | peak | valley);
+      rising |= one & rises & bit;
+      open |= bit & ~one;
       a = b;
     }
   }
-  __builtin_memcpy(&lines.crossed[i], &crossed, sizeof crossed);
-  __builtin_memcpy(&lines.rising[i], &rising, sizeof rising);
-  __builtin_memcpy(&lines.peaks[i], &peaks, sizeof peaks);
-  __builtin_memcpy(&lines.valleys[i], &valleys, sizeof valleys);
-  __builtin_memcpy(&lines.open[i], &open, sizeof open);
+  set_bits(&lines.crossed[i], crossed);
+  set_bits(&lines.rising[i], rising);
+  set_bits(&lines.open[i], open);
 }
 
 // ------------------------------------------------------------------------------- intervals of kLanes slots
@@ -347,6 +360,12 @@ struct Asked {
       : Asked(batch, lines, slots, i, Which(slots, i)) {}
 
   [[nodiscard]] Lanes operator[](Field field) const { return line.field[field]; }
+  /// One of their rows of eight.
+  void take(double (BezierInterval::*row)[8], Lanes (&to)[8]) const {
+    const double* from[kLanes];
+    for (std::size_t k = 0; k < kLanes; ++k) from[k] = part[k]->*row;
+    across(from, 0, to);
+  }
 
  private:
   struct Which {
@@ -357,13 +376,9 @@ struct Asked {
   };
   Asked(const BezierBatch& batch, const Lines& lines, const Slots& slots, std::size_t i, const Which& which)
       : line(lines, which.line) {
-    const double* from[kLanes];
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      part[k] = batch.intervals + slots.interval[i + k];
-      from[k] = part[k]->ends;
-    }
+    for (std::size_t k = 0; k < kLanes; ++k) part[k] = batch.intervals + slots.interval[i + k];
     Lanes row[8];
-    across(from, 0, row);
+    take(&BezierInterval::ends, row);
     y_low = row[0], y_high = row[1], g_low = row[2], g_high = row[3];
     bend = row[4], turn = row[5], sigma_low = row[6], sigma_high = row[7];
   }
@@ -375,6 +390,75 @@ void pad(Slots& slots) {
     slots.line[slots.size + k] = slots.line[0];
     slots.interval[slots.size + k] = slots.interval[0];
   }
+}
+
+/// How often F vanishes in intervals that `sift` left open, by F at their ends and the ranges of F' and F''
+/// between them.
+void classify(const BezierBatch& batch, Lines& lines, Slots& slots) {
+  pad(slots);
+  for (std::size_t i = 0; i < slots.size; i += kLanes) {
+    const Asked asked(batch, lines, slots, i);
+    Lanes row[8];
+    asked.take(&BezierInterval::ranges, row);
+    const Lanes g_most = row[0], dg_low = row[1], dg_high = row[2], ddg_low = row[3], ddg_high = row[4];
+    const Mask dome = row[5] > 0;
+    const Line& x = asked.line.x;
+    const Lanes lo = asked[kLo], hi = asked[kHi];
+    const Margin margin = margin_of(batch, x, lo, hi);
+    const Errors errors(batch, x, margin);
+    const Station a = station_at(x, margin, lo, hi, asked.y_low);
+    const Station b = station_at(x, margin, lo, hi, asked.y_high);
+    const Lanes f_a = select(a.below, g_most, asked.g_low) - a.square;
+    const Lanes f_b = select(b.above, g_most, asked.g_high) - b.square;
+    const Mask off_a = (asked.g_low == 0) & is_beside(x, a, errors);
+    const Mask off_b = (asked.g_high == 0) & is_beside(x, b, errors);
+    const Mask out_a = a.below | off_a | (f_a < -errors.f), in_a = ~a.below & (f_a > errors.f);
+    const Mask out_b = b.above | off_b | (f_b < -errors.f), in_b = ~b.above & (f_b > errors.f);
+    // F' lies in [least, most], F'' as its sign says.
+    const Lanes most = fma(dg_high, x.dy, errors.df - a.fall);
+    const Lanes least = fma(dg_low, x.dy, -errors.df - b.fall);
+    const Mask monotone = (most < 0) | (least > 0);
+    const Bend bend = bend_of(x, ddg_low, ddg_high);
+    // Outside at both ends, F lies under two lines: where they cross they are below 0.
+    const Lanes gap = (b.at - a.at) + 4 * margin.eps;
+    const Lanes fall = -(most * least) * gap * (1 + 0x1p-40);
+    const Mask under = fall < fma(f_a + errors.f, least, -(most * (f_b + errors.f)));
+    // Inside at both ends, it lies over two.
+    const Mask over = fall < fma(f_a - errors.f, most, -(least * (f_b - errors.f)));
+    const Mask both_out = out_a & out_b, both_in = in_a & in_b;
+    const Mask none =
+        (both_out & (monotone | bend.convex | under)) | (both_in & (monotone | bend.concave | dome | over));
+    const Mask rises = out_a & in_b, sinks = in_a & out_b;
+    const Mask one = (rises | sinks) & (monotone | bend.concave | bend.convex | dome);
+    const Mask peak = both_out & bend.concave & ~none, valley = both_in & bend.convex & ~none;
+    const unsigned ones = to_bits(one), rising = to_bits(one & rises), peaks = to_bits(peak),
+                   valleys = to_bits(valley), open = to_bits(~(none | one | peak | valley));
+    for (std::size_t k = 0; k < kLanes && i + k < slots.size; ++k) {
+      const std::size_t line = slots.line[i + k];
+      const auto bit = [&](unsigned lanes) { return Bits{lanes >> k & 1U} << slots.interval[i + k]; };
+      lines.crossed[line] |= bit(ones);
+      lines.rising[line] |= bit(rising);
+      lines.peaks[line] |= bit(peaks);
+      lines.valleys[line] |= bit(valleys);
+      lines.open[line] |= bit(open);
+    }
+  }
+  slots.size = 0;
+}
+
+/// Asks every interval of every line.
+void classify_all(const BezierBatch& batch, Lines& lines, Slots& slots) {
+  for (std::size_t i = 0; i < lines.size; i += kLanes) sift(batch, lines, i);
+  slots.size = 0;
+  for (std::size_t line = 0; line < lines.size; ++line) {
+    if (slots.size + kMaxBezierIntervals > kSlots - kLanes) classify(batch, lines, slots);
+    for (Bits left = std::exchange(lines.open[line], 0); left != 0; left &= left - 1) {
+      slots.line[slots.size] = static_cast<std::uint16_t>(line);
+      slots.interval[slots.size++] = static_cast<std::uint8_t>(__builtin_ctzll(left));
+    }
+    lines.peaks[line] = lines.valleys[line] = 0;
+  }
+  if (slots.size > 0) classify(batch, lines, slots);
 }
 
 /// Y and R of kLanes intervals as polynomials in sigma.
@@ -441,7 +525,8 @@ Chord chord_of(const Asked& asked, const Margin& margin) {
           f_at(a),
           f_at(b),
           asked.bend * x.dy * x.dy - 2 * x.flat2,
-          low<lo - margin.eps, high> hi + margin.eps};
+          (low < lo - margin.eps),
+          (high > hi + margin.eps)};
 }
 
 /// sigma of a height, as if Y were linear, or quadratic where it turns at sigma = 0.
@@ -508,10 +593,8 @@ struct Nearby {
   Mask steady;
 
   Nearby(const Asked& asked, const Profile<kDegree>& profile, Lanes sigma) {
-    const double* from[kLanes];
-    for (std::size_t k = 0; k < kLanes; ++k) from[k] = asked.part[k]->errors;
     Lanes row[8];
-    across(from, 0, row);
+    asked.take(&BezierInterval::errors, row);
     ox = asked[kOx], oy = asked[kOy], oz = asked[kOz];
     dx = asked[kDx], dy = asked[kDy], dz = asked[kDz];
     const Value y = evaluate<kDegree>(profile.y, sigma), r = evaluate<kDegree>(profile.r, sigma);
@@ -929,7 +1012,7 @@ void run(const BezierBatch& batch, const BezierAnswers& answers) {
                        });
     // The lanes behind the last line compute too, on zeros.
     __builtin_memset(lines.record[lines.size], 0, kLanes * sizeof lines.record[0]);
-    for (std::size_t k = 0; k < lines.size; k += kLanes) classify(batch, lines, k);
+    classify_all(batch, lines, block.crossings);
     for (std::size_t k = 0; k < lines.size; ++k) block.hits[k] = {{}, 0, false, false};
     for (std::size_t k = 0; k < batch.track_count; ++k)
       run_track<kDegree>(batch, block, track_bits(batch.tracks[k]));

@@ -20,12 +20,13 @@ inline constexpr std::size_t kMaxBezierIntervals = 48;  ///< of all tracks: one 
 struct BezierInterval {
   // Rows of eight, which the lanes take side by side from several intervals.
   double ends[8];     ///< y_low, y_high, G there, bend, turn, sigma there
+  double ranges[8];   ///< g_most, dg_low, dg_high, ddg_low, ddg_high, 1 if is_concave, 0, 0
   double errors[8];   ///< y_tail, r_tail, y_error, y_step, r_error, r_step, y2, r2
   double powers[24];  ///< of Y and R in turn, ascending
 
   double y_low, y_high;      ///< ends
   double g_low, g_high;      ///< G there, within BezierBatch::g_error; exactly 0 where they are 0
-  double g_most;             ///< bound of G
+  double g_least, g_most;    ///< range of G
   double dg_low, dg_high;    ///< range of dG/dy
   double ddg_low, ddg_high;  ///< range of d2G/dy2
   bool is_concave;           ///< |R| is a concave function of the height
