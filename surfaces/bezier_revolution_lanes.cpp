@@ -206,8 +206,9 @@ void cull(const BezierBatch& batch, Lanes bottom, Lanes top, const double* rays,
   const Mask beside = cross2 > batch.g_most * (1 + 0x1p-10) * x.flat2;
   const Lanes root = sqrt(max(fma(all(batch.g_most * (1 + 0x1p-9)), x.flat2, -(cross * cross)), Lanes{}));
   const Mask steep = x.flat2 == 0;
-  const Lanes lo = select(steep, all(-kInfinity), (-x.along - root) / x.flat2);
-  const Lanes hi = select(steep, all(kInfinity), (root - x.along) / x.flat2);
+  const Lanes per_flat2 = 1 / x.flat2;
+  const Lanes lo = select(steep, all(-kInfinity), (-x.along - root) * per_flat2);
+  const Lanes hi = select(steep, all(kInfinity), (root - x.along) * per_flat2);
 
   const Margin margin = margin_of(batch, x, lo, hi);
   const Lanes a = (bottom - x.py) * margin.per_rise, b = (top - x.py) * margin.per_rise;
