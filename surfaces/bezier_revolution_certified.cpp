@@ -9,6 +9,7 @@
 
 #include <graze/solvers/certified.hpp>
 #include <graze/solvers/math/double_double_ball.hpp>
+#include <graze/surfaces/nearest_doubles.hpp>
 
 namespace graze {
 namespace {
@@ -438,11 +439,7 @@ void BezierRevolutionCertified::decide(const Ray& ray, bool all, KernelAnswers& 
   ExactBezierRevolution::Hits found = exact_->hits(ray);
   HitsOfRay hits(answers, at);
   if (!found) return hits.close_coincident(3);
-  for (ExactBezierHit& hit : *found) {
-    if (!hits.add(hit.l.to_double(), hit.multiplicity)) return;
-    if (!all) break;
-  }
-  hits.close(3);
+  if (add_nearest(*found, all, hits)) hits.close(3);
 }
 
 }  // namespace graze

@@ -328,8 +328,10 @@ void sift(const BezierBatch& batch, Lines& lines, std::size_t i) {
     for (std::size_t k = begin; k < end; ++k) {
       const BezierInterval& part = batch.intervals[k];
       const End b = end_at(part.y_high, part.g_high);
+      // Both ends, not the lesser: one may be no number.
+      const Lanes most = part.g_most + errors.f;
       const Mask outside =
-          ((part.g_most + errors.f < min(a.square, b.square)) & ~(a.near & b.far)) | (nearest > part.g_most);
+          ((most < a.square) & (most < b.square) & ~(a.near & b.far)) | (nearest > part.g_most);
       const Mask inside = a.in & b.in & (part.g_least - errors.f > max(a.square, b.square));
       const Mask gone = b.below | a.above | (b.at < from) | (a.at > until);
       const Mask none = outside | inside | gone;
@@ -677,7 +679,8 @@ void certify(const Asked& asked, const Profile<kDegree>& profile, Lanes delta, L
   const Mask proved = before & behind;
   // Accurate where the second order moves l by no more than half of what its rounding and F's do.
   const Lanes allowed = fma(abs(df), 0.125 * ulps, 1.5 * here.rounding);
-  const Mask settled = here.error < allowed;
+  // Beside a tip the roundings shrink with R: those at `l` are to be like those at the crossing.
+  const Mask settled = (here.error < allowed) & (here.rounding < 4 * min(a.rounding, b.rounding));
   const Lanes bow = abs(a.f + b.f), span = abs(b.f - a.f);
   const Mask straight = bow < 0.25 * span;
   const Lanes secant = low + (high - low) * (a.f / (a.f - b.f));

@@ -78,12 +78,16 @@ class HitsOfRay {
  public:
   HitsOfRay(KernelAnswers& answers, std::size_t at) : answers_(answers), at_(at) {}
 
-  /// The next hit, ascending; false where l leaves the range of double or there are too many.
+  /// The next hit, ascending; false where l leaves the range of double or there are too many, of all or of
+  /// those that round to one double.
   [[nodiscard]] bool add(double l, std::uint32_t multiplicity) {
     if (!(l > 0 && std::isfinite(l)) || count_ == KernelAnswers::kMany) return false;
-    // Two hits are two, also where both round to one double.
-    if (count_ > 0 && l <= answers_.l[count_ - 1][at_])
-      l = std::nextafter(answers_.l[count_ - 1][at_], std::numeric_limits<double>::infinity());
+    // Two hits are two, also where both round to one double; a fifth would be too far from where it is.
+    constexpr int kMostMoved = 3;
+    const bool is_behind = count_ == 0 || l > answers_.l[count_ - 1][at_];
+    moved_ = is_behind ? 0 : moved_ + 1;
+    if (moved_ > kMostMoved) return false;
+    if (!is_behind) l = std::nextafter(answers_.l[count_ - 1][at_], std::numeric_limits<double>::infinity());
     if (multiplicity > 1) {
       touching_ |= std::uint32_t{1} << count_;
       answers_.set_multiplicity(at_, count_, multiplicity);
@@ -109,6 +113,7 @@ class HitsOfRay {
   KernelAnswers& answers_;
   std::size_t at_;
   std::size_t count_ = 0;
+  int moved_ = 0;  ///< hits in a row that are not where they round to
   std::uint32_t touching_ = 0;
 };
 
